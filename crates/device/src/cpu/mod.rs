@@ -1,0 +1,114 @@
+//! The CPU backend: the kernel bodies, called from rayon's threads.
+
+mod groups;
+mod shared;
+
+pub use groups::LaneOrder;
+pub(crate) use groups::Groups;
+pub(crate) use shared::Bound;
+
+use crate::buffer::Storage;
+use crate::error::flag_of;
+use crate::kernel::Access;
+use crate::plan::{Plan, Step};
+use crate::timing::Timings;
+use crate::{Error, Result};
+use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::time::Instant;
+
+pub(crate) struct Cpu {
+    order: LaneOrder,
+}
+
+/// What the CPU calls itself in reports.
+pub(crate) fn name() -> String {
+    format!("CPU, {} threads", rayon::current_num_threads())
+}
+
+pub(crate) fn allocate(name: &str, bytes: u64) -> Result<Storage> {
+    let out_of_memory = || Error::OutOfMemory {
+        buffer: name.to_string(),
+        device: "the CPU".to_string(),
+        needed: bytes,
+        available: available_bytes().map_or("less than that".to_string(), |b| format!("{b} bytes available")),
+        flag: flag_of(name),
+    };
+    // An operating system that overcommits hands out more than there is and ends the program later.
+    if available_bytes().is_some_and(|available| bytes > available) {
+        return Err(out_of_memory());
+    }
+    let words = usize::try_from(bytes / 4).map_err(|_| out_of_memory())?;
+    let mut probe = Vec::<u32>::new();
+    probe.try_reserve_exact(words).map_err(|_| out_of_memory())?;
+    drop(probe);
+    // Zeroed pages come from the operating system untouched, which a resize of the probe would not.
+    Ok(Storage::Cpu(RwLock::new(vec![0; words])))
+}
+
+/// Memory that can still be had without swapping, bytes, where the system tells (Linux).
+fn available_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
+}
+
+pub(crate) fn lock_read(memory: &RwLock<Vec<u32>>) -> RwLockReadGuard<'_, Vec<u32>> {
+    memory.read().unwrap_or_else(PoisonError::into_inner)
+}
+
+pub(crate) fn lock_write(memory: &RwLock<Vec<u32>>) -> RwLockWriteGuard<'_, Vec<u32>> {
+    memory.write().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn memory(buffer: &crate::Buffer) -> &RwLock<Vec<u32>> {
+    match buffer.storage() {
+        Storage::Cpu(memory) => memory,
+        Storage::Gpu(_) => unreachable!("a buffer belongs to the device that made it"),
+    }
+}
+
+enum Guard<'a> {
+    Read(RwLockReadGuard<'a, Vec<u32>>),
+    Write(RwLockWriteGuard<'a, Vec<u32>>),
+}
+
+impl Cpu {
+    pub(crate) fn new(order: LaneOrder) -> Self {
+        Self { order }
+    }
+
+    /// Executes a plan, timing each stage by the wall clock.
+    pub(crate) fn run(&self, plan: &Plan, timings: &Timings) -> Result<()> {
+        for step in &plan.steps {
+            let start = Instant::now();
+            let stage = match step {
+                Step::Clear { stage, buffer } => {
+                    lock_write(memory(buffer)).fill(0);
+                    stage
+                }
+                Step::Run { stage, kernel, groups, buffers } => {
+                    let mut guards: Vec<_> = kernel
+                        .bindings()
+                        .iter()
+                        .zip(buffers)
+                        .map(|(binding, buffer)| match binding.access {
+                            Access::One | Access::In => Guard::Read(lock_read(memory(buffer))),
+                            Access::Out | Access::Sum => Guard::Write(lock_write(memory(buffer))),
+                        })
+                        .collect();
+                    let bound: Vec<_> = guards
+                        .iter_mut()
+                        .map(|guard| match guard {
+                            Guard::Read(words) => Bound::Read(words),
+                            Guard::Write(words) => Bound::write_words(words),
+                        })
+                        .collect();
+                    kernel.run_on_cpu(&Groups { count: *groups, order: self.order }, &bound);
+                    stage
+                }
+            };
+            timings.add(stage, start.elapsed().as_secs_f64() * 1e3);
+        }
+        Ok(())
+    }
+}

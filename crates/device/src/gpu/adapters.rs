@@ -1,0 +1,156 @@
+//! Which GPUs there are, and opening one.
+
+use super::{Gpu, pipelines};
+use crate::{Error, Result};
+use pollster::block_on;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// What `caustic info` says of an adapter.
+#[derive(Clone, Debug, serde::Serialize)]
+pub struct AdapterReport {
+    /// Number by which `--device gpu:N` asks for it.
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// Vulkan, Metal, Dx12 or Gl.
+    pub backend: String,
+    /// Discrete, integrated, virtual or software.
+    pub kind: String,
+    /// The driver and its version.
+    pub driver: String,
+    /// Smallest and largest number of lanes of a subgroup.
+    pub subgroup: [u32; 2],
+    /// Largest buffer that a kernel can use, bytes.
+    pub max_buffer_bytes: u64,
+    /// Largest number of lanes of a workgroup.
+    pub max_workgroup_lanes: u32,
+    /// Shared memory of a workgroup, bytes.
+    pub workgroup_memory_bytes: u32,
+    /// Whether the exact kernels run on it.
+    pub exact: bool,
+    /// Why not, or "".
+    pub reason: String,
+}
+
+fn instance() -> wgpu::Instance {
+    // WGPU_VALIDATION=1 in the environment turns the Vulkan validation layers on.
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+fn enumerate() -> Vec<wgpu::Adapter> {
+    block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+}
+
+fn report(index: usize, adapter: &wgpu::Adapter) -> AdapterReport {
+    let info = adapter.get_info();
+    let limits = adapter.limits();
+    let reason = if info.backend != wgpu::Backend::Vulkan {
+        "only Vulkan takes SPIR-V unchanged"
+    } else if !adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS) {
+        "the driver does not offer shader passthrough"
+    } else if limits.max_storage_buffers_per_shader_stage < pipelines::most_bindings() {
+        "the driver allows too few storage buffers a stage"
+    } else {
+        ""
+    };
+    AdapterReport {
+        index,
+        name: info.name,
+        backend: format!("{:?}", info.backend),
+        kind: match info.device_type {
+            wgpu::DeviceType::DiscreteGpu => "discrete",
+            wgpu::DeviceType::IntegratedGpu => "integrated",
+            wgpu::DeviceType::VirtualGpu => "virtual",
+            wgpu::DeviceType::Cpu => "software",
+            wgpu::DeviceType::Other => "other",
+        }
+        .to_string(),
+        driver: format!("{} {}", info.driver, info.driver_info).trim().to_string(),
+        subgroup: [info.subgroup_min_size, info.subgroup_max_size],
+        max_buffer_bytes: limits.max_buffer_size.min(limits.max_storage_buffer_binding_size),
+        max_workgroup_lanes: limits.max_compute_invocations_per_workgroup,
+        workgroup_memory_bytes: limits.max_compute_workgroup_storage_size,
+        exact: reason.is_empty(),
+        reason: reason.to_string(),
+    }
+}
+
+/// All adapters of this machine.
+#[must_use]
+pub fn adapters() -> Vec<AdapterReport> {
+    enumerate().iter().enumerate().map(|(i, adapter)| report(i, adapter)).collect()
+}
+
+/// The first hardware GPU that can run the exact kernels, if there is one.
+pub(crate) fn open_hardware() -> Result<Option<Gpu>> {
+    for (i, adapter) in enumerate().into_iter().enumerate() {
+        let report = report(i, &adapter);
+        if report.exact && report.kind != "software" {
+            return open_adapter(&adapter, &report).map(Some);
+        }
+    }
+    Ok(None)
+}
+
+/// The GPU with this index or with this text in its name; without either the first that can run the exact kernels,
+/// hardware before software.
+pub(crate) fn open(wanted: Option<&str>) -> Result<Gpu> {
+    let adapters = enumerate();
+    let reports: Vec<_> = adapters.iter().enumerate().map(|(i, adapter)| report(i, adapter)).collect();
+    let chosen = match wanted {
+        None => {
+            let exact = |software: bool| reports.iter().find(|r| r.exact && (r.kind == "software") == software);
+            exact(false).or_else(|| exact(true)).or(reports.first())
+        }
+        Some(text) => {
+            let by_index = text.parse::<usize>().ok().and_then(|i| reports.get(i));
+            let named = |r: &&AdapterReport| r.name.to_lowercase().contains(&text.to_lowercase());
+            // The same hardware may appear under several backends: Vulkan is the one that is exact.
+            by_index
+                .or_else(|| reports.iter().filter(|r| r.exact).find(named))
+                .or_else(|| reports.iter().find(named))
+        }
+    };
+    let Some(chosen) = chosen else {
+        let names: Vec<_> = reports.iter().map(|r| format!("gpu:{} {}", r.index, r.name)).collect();
+        return Err(Error::NoSuchDevice {
+            wanted: wanted.map_or("gpu".to_string(), |text| format!("gpu:{text}")),
+            available: if names.is_empty() { "none".to_string() } else { names.join(", ") },
+        });
+    };
+    open_adapter(&adapters[chosen.index], chosen)
+}
+
+fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport) -> Result<Gpu> {
+    let not_exact = |reason: String| Error::NotExact { device: report.name.clone(), reason };
+    if !report.exact {
+        return Err(not_exact(report.reason.clone()));
+    }
+    let limits = adapter.limits();
+    let timestamps = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+    let descriptor = wgpu::DeviceDescriptor {
+        label: Some("caustic"),
+        required_features: wgpu::Features::PASSTHROUGH_SHADERS | timestamps,
+        required_limits: limits.clone(),
+        experimental_features: pipelines::experimental_features(),
+        ..Default::default()
+    };
+    let (device, queue) = block_on(adapter.request_device(&descriptor)).map_err(|e| not_exact(e.to_string()))?;
+    let lost = Arc::new(Mutex::new(None));
+    let lost_by_callback = Arc::clone(&lost);
+    device.set_device_lost_callback(move |reason, message| {
+        *lost_by_callback.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{reason:?}: {message}"));
+    });
+    let timestamp_period = (!timestamps.is_empty()).then(|| queue.get_timestamp_period());
+    let shaders = pipelines::load(&device);
+    Ok(Gpu {
+        name: format!("{} ({}, {})", report.name, report.backend, report.driver),
+        device,
+        queue,
+        limits,
+        shaders,
+        pipelines: Mutex::default(),
+        lost,
+        timestamp_period,
+    })
+}

@@ -1,0 +1,63 @@
+//! The GPU backend: wgpu, with the SPIR-V handed to the Vulkan driver word for word.
+//!
+//! wgpu's ordinary path translates shaders and drops the NoContraction decorations that keep a result exact, so kernels are
+//! loaded by passthrough, which Vulkan alone offers.
+
+mod adapters;
+mod memory;
+mod pipelines;
+mod submit;
+
+pub use adapters::{AdapterReport, adapters};
+pub(crate) use adapters::{open, open_hardware};
+pub use pipelines::{ShaderManifest, manifest};
+
+use crate::kernel::Kernel;
+use crate::{Error, Result};
+use pipelines::Pipeline;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+pub(crate) struct Gpu {
+    name: String,
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    limits: wgpu::Limits,
+    shaders: wgpu::ShaderModule,
+    pipelines: Mutex<HashMap<Kernel, Arc<Pipeline>>>,
+    /// Why the device was lost, once it is.
+    lost: Arc<Mutex<Option<String>>>,
+    /// Nanoseconds a time stamp counts, where the adapter has time stamps.
+    timestamp_period: Option<f32>,
+}
+
+impl Gpu {
+    pub(crate) fn name(&self) -> String {
+        self.name.clone()
+    }
+
+    /// Runs `work` and returns the first error that the driver reports for it.
+    fn checked<T>(&self, work: impl FnOnce() -> T) -> std::result::Result<T, wgpu::Error> {
+        let scopes = [wgpu::ErrorFilter::Internal, wgpu::ErrorFilter::Validation, wgpu::ErrorFilter::OutOfMemory]
+            .map(|filter| self.device.push_error_scope(filter));
+        let result = work();
+        let mut first = None;
+        for scope in scopes.into_iter().rev() {
+            let error = pollster::block_on(scope.pop());
+            first = first.or(error);
+        }
+        first.map_or(Ok(result), Err)
+    }
+
+    /// Waits until everything submitted has been executed.
+    fn wait(&self, stage: &str) -> Result<()> {
+        let waited = self.device.poll(wgpu::PollType::wait_indefinitely());
+        let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let reason = match (waited, lost) {
+            (_, Some(reason)) => reason,
+            (Err(error), None) => error.to_string(),
+            (Ok(_), None) => return Ok(()),
+        };
+        Err(Error::DeviceLost { device: self.name(), stage: stage.to_string(), reason })
+    }
+}

@@ -1,0 +1,147 @@
+//! The embedded SPIR-V, and the pipelines made of it.
+#![allow(unsafe_code)] // passthrough: the driver gets words that wgpu does not look into
+
+use super::Gpu;
+use crate::kernel::{Access, Kernel};
+use crate::{Error, Result};
+use serde::Deserialize;
+use std::borrow::Cow;
+use std::sync::{Arc, PoisonError};
+
+const SPIRV: &[u8] = include_bytes!("../../shaders/caustic.spv");
+const MANIFEST: &str = include_str!("../../shaders/manifest.json");
+
+/// What `cargo xtask shaders` wrote down about the SPIR-V.
+#[derive(Clone, Debug, Deserialize)]
+pub struct ShaderManifest {
+    /// Its entry points.
+    pub entry_points: Vec<EntryPoint>,
+}
+
+/// An entry point of the SPIR-V.
+#[derive(Clone, Debug, Deserialize)]
+pub struct EntryPoint {
+    /// Its name.
+    pub name: String,
+    /// Lanes of a workgroup along each axis.
+    pub local_size: [u32; 3],
+    /// Its buffers.
+    pub bindings: Vec<EntryBinding>,
+}
+
+/// A buffer of an entry point.
+#[derive(Clone, Debug, Deserialize)]
+pub struct EntryBinding {
+    /// Descriptor set.
+    pub set: u32,
+    /// Binding number.
+    pub binding: u32,
+}
+
+/// What `cargo xtask shaders` wrote down about the embedded SPIR-V.
+///
+/// # Panics
+/// If the file that was embedded when caustic was built is broken; a test reads it.
+#[must_use]
+pub fn manifest() -> ShaderManifest {
+    serde_json::from_str(MANIFEST).expect("crates/device/shaders/manifest.json is written by `cargo xtask shaders`")
+}
+
+/// A kernel, ready to run.
+pub(super) struct Pipeline {
+    pub(super) pipeline: wgpu::ComputePipeline,
+    pub(super) layout: wgpu::BindGroupLayout,
+}
+
+/// The largest number of buffers that a kernel has.
+pub(super) fn most_bindings() -> u32 {
+    Kernel::ALL.iter().map(|kernel| kernel.bindings().len()).max().unwrap_or(0) as u32
+}
+
+/// Passthrough counts as experimental in wgpu.
+pub(super) fn experimental_features() -> wgpu::ExperimentalFeatures {
+    // SAFETY: what wgpu asks for is that the shaders be correct; see `load`.
+    unsafe { wgpu::ExperimentalFeatures::enabled() }
+}
+
+/// Hands the SPIR-V to the driver.
+pub(super) fn load(device: &wgpu::Device) -> wgpu::ShaderModule {
+    let words: Vec<u32> =
+        SPIRV.chunks_exact(4).map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])).collect();
+    let entry_points: Vec<_> = manifest()
+        .entry_points
+        .into_iter()
+        .map(|entry| wgpu::PassthroughShaderEntryPoint {
+            name: Cow::Owned(entry.name),
+            workgroup_size: (entry.local_size[0], entry.local_size[1], entry.local_size[2]),
+        })
+        .collect();
+    let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
+        label: Some("caustic"),
+        entry_points: entry_points.into(),
+        spirv: Some(Cow::Owned(words)),
+        ..Default::default()
+    };
+    // SAFETY: the module was validated when it was built, its bindings and workgroup sizes are those of `stages!` (a test
+    // compares them with the manifest), and rust-gpu checks the bounds of every buffer access.
+    unsafe { device.create_shader_module_passthrough(descriptor) }
+}
+
+impl Gpu {
+    /// The pipeline of a kernel, made when it is first used.
+    pub(super) fn pipeline(&self, kernel: Kernel) -> Result<Arc<Pipeline>> {
+        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(pipeline) = pipelines.get(&kernel) {
+            return Ok(Arc::clone(pipeline));
+        }
+        let made = self.checked(|| self.make_pipeline(kernel)).map_err(|error| Error::Stage {
+            device: self.name(),
+            stage: kernel.entry_point().to_string(),
+            reason: error.to_string(),
+        })?;
+        let made = Arc::new(made);
+        pipelines.insert(kernel, Arc::clone(&made));
+        Ok(made)
+    }
+
+    fn make_pipeline(&self, kernel: Kernel) -> Pipeline {
+        let label = Some(kernel.entry_point());
+        let entries: Vec<_> = kernel
+            .bindings()
+            .iter()
+            .enumerate()
+            .map(|(i, binding)| wgpu::BindGroupLayoutEntry {
+                binding: i as u32,
+                visibility: wgpu::ShaderStages::COMPUTE,
+                ty: wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Storage {
+                        read_only: matches!(binding.access, Access::One | Access::In),
+                    },
+                    has_dynamic_offset: false,
+                    min_binding_size: None,
+                },
+                count: None,
+            })
+            .collect();
+        let layout =
+            self.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label, entries: &entries });
+        let pipeline_layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label,
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label,
+            layout: Some(&pipeline_layout),
+            module: &self.shaders,
+            entry_point: label,
+            // Kernels write shared memory before they read it; passthrough would not zero it anyway.
+            compilation_options: wgpu::PipelineCompilationOptions {
+                zero_initialize_workgroup_memory: false,
+                ..Default::default()
+            },
+            cache: None,
+        });
+        Pipeline { pipeline, layout }
+    }
+}

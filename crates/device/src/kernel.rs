@@ -1,0 +1,115 @@
+//! The kernels as values: what a plan names, and how the CPU calls them.
+
+use crate::cpu::{Bound, Groups};
+use caustic_kernels::gather::*;
+use caustic_kernels::grid::{self, *};
+use caustic_kernels::layout::*;
+use caustic_kernels::sort::{self, *};
+use caustic_kernels::trace::{self, *};
+use caustic_kernels::{gather, stages};
+
+/// How a stage uses a buffer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// One record, read.
+    One,
+    /// Records, read.
+    In,
+    /// Records, written and not read.
+    Out,
+    /// Counters, added to.
+    Sum,
+}
+
+/// A buffer of a stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Binding {
+    /// What it is to the kernel.
+    pub name: &'static str,
+    /// How it is used.
+    pub access: Access,
+    /// Bytes of a record.
+    pub record_bytes: u32,
+}
+
+macro_rules! kernels {
+    ($($shape:ident $(($($detail:tt)*))? $name:ident = $entry:ident [$lanes:tt]
+       ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident;)*) => {
+        /// A kernel: one stage of a plan. The list is made from `caustic_kernels::stages!`.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        #[allow(missing_docs)] // documented where the bodies are
+        pub enum Kernel { $($name),* }
+
+        impl Kernel {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$name),*];
+
+            /// Name of the SPIR-V entry point, and of the stage in reports.
+            #[must_use]
+            pub fn entry_point(self) -> &'static str {
+                match self { $(Self::$name => stringify!($entry)),* }
+            }
+
+            /// Lanes of a workgroup.
+            #[must_use]
+            pub fn lanes(self) -> u32 {
+                match self { $(Self::$name => $lanes),* }
+            }
+
+            /// Its buffers, in the order of their binding numbers.
+            #[must_use]
+            pub fn bindings(self) -> &'static [Binding] {
+                match self {
+                    $(Self::$name => const { &[$(Binding {
+                        name: stringify!($arg),
+                        access: Access::$access,
+                        record_bytes: size_of::<$t>() as u32,
+                    }),*] }),*
+                }
+            }
+
+            /// Runs all its workgroups on the CPU.
+            pub(crate) fn run_on_cpu(self, groups: &Groups, bound: &[Bound]) {
+                match self {
+                    $(Self::$name => {
+                        $(let $arg = bind!($access $t, bound[$b]);)*
+                        run!($shape $(($($detail)*))?, groups, $lanes, $module::$body, $($access $arg),*);
+                    })*
+                }
+            }
+        }
+    };
+}
+
+/// The type with which the CPU sees a buffer.
+macro_rules! bind {
+    (One $t:ty, $bound:expr) => { &$bound.read::<$t>()[0] };
+    (In $t:ty, $bound:expr) => { $bound.read::<$t>() };
+    (Out $t:ty, $bound:expr) => { $bound.write::<$t>() };
+    (Sum $t:ty, $bound:expr) => { $bound.write::<$t>() };
+}
+
+/// Hands a buffer to a body: each call has its own handle of what is written.
+macro_rules! pass {
+    (One $arg:ident) => { $arg };
+    (In $arg:ident) => { $arg };
+    (Out $arg:ident) => { &mut $arg.clone() };
+    (Sum $arg:ident) => { &mut $arg.clone() };
+}
+
+macro_rules! run {
+    (each, $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
+        $groups.each($lanes, |i| $module::$body(i, $(pass!($access $arg)),*))
+    };
+    (gather($container:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
+        $groups.each($lanes, |i| $module::$body(i, <$container>::new(), $(pass!($access $arg)),*))
+    };
+    (group($registers:ty; $shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident,
+     $($access:ident $arg:ident),*) => {
+        $groups.phases::<$registers, $shared>($lanes, |lanes, group, shared| {
+            $module::$body(lanes, group, shared, $(pass!($access $arg)),*);
+        })
+    };
+}
+
+stages!(kernels);

@@ -1,0 +1,187 @@
+//! Runs a [`Plan`], a list of kernel stages over named buffers, on the CPU or on a Vulkan GPU.
+//!
+//! Both backends execute the same list with the same kernel bodies: the CPU calls them from rayon threads, the GPU runs the
+//! SPIR-V that rust-gpu made of them. Progress, timing, memory accounting and errors all hang on the names in the list.
+
+mod buffer;
+mod choice;
+mod cpu;
+mod error;
+mod gpu;
+mod kernel;
+mod plan;
+mod timing;
+
+pub use buffer::{Buffer, BufferBytes};
+pub use choice::DeviceChoice;
+pub use cpu::LaneOrder;
+pub use error::Error;
+pub use gpu::{AdapterReport, ShaderManifest, adapters, manifest};
+pub use kernel::{Access, Binding, Kernel};
+pub use plan::Plan;
+pub use timing::StageTime;
+
+use buffer::{Ledger, Storage};
+use bytemuck::Pod;
+use std::sync::Arc;
+use timing::Timings;
+
+/// The result of device operations.
+pub type Result<T> = std::result::Result<T, Error>;
+
+enum Backend {
+    Cpu(cpu::Cpu),
+    Gpu(Box<gpu::Gpu>),
+}
+
+/// A device that executes plans.
+pub struct Device {
+    backend: Backend,
+    ledger: Arc<Ledger>,
+    timings: Timings,
+}
+
+impl Device {
+    /// The CPU, all its cores.
+    #[must_use]
+    pub fn cpu() -> Self {
+        Self::cpu_with_order(LaneOrder::Forward)
+    }
+
+    /// The CPU, with workgroups and lanes visited in the given order. Results do not depend on it; tests show that.
+    #[must_use]
+    pub fn cpu_with_order(order: LaneOrder) -> Self {
+        Self::new(Backend::Cpu(cpu::Cpu::new(order)))
+    }
+
+    /// Opens the device that `choice` asks for and says in one line which that is and why.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchDevice`] if there is none; [`Error::NotExact`] if it cannot run the exact kernels.
+    pub fn open(choice: &DeviceChoice) -> Result<(Self, String)> {
+        let (gpu, why) = match choice {
+            DeviceChoice::Cpu => return Ok((Self::cpu(), format!("device: {} (asked for)", cpu::name()))),
+            DeviceChoice::Auto => match gpu::open_hardware()? {
+                Some(gpu) => (gpu, "a hardware GPU is present".to_string()),
+                None => return Ok((Self::cpu(), format!("device: {} (no hardware GPU found)", cpu::name()))),
+            },
+            DeviceChoice::Gpu(wanted) => (gpu::open(wanted.as_deref())?, "asked for".to_string()),
+        };
+        let line = format!("device: {} ({why})", gpu.name());
+        Ok((Self::new(Backend::Gpu(Box::new(gpu))), line))
+    }
+
+    fn new(backend: Backend) -> Self {
+        Self { backend, ledger: Arc::default(), timings: Timings::default() }
+    }
+
+    /// The device's name.
+    #[must_use]
+    pub fn name(&self) -> String {
+        match &self.backend {
+            Backend::Cpu(_) => cpu::name(),
+            Backend::Gpu(gpu) => gpu.name(),
+        }
+    }
+
+    /// Whether it is a GPU (a software Vulkan counts as one).
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        matches!(self.backend, Backend::Gpu(_))
+    }
+
+    /// A buffer of `count` records, all zero. `name` appears in errors and in the memory report.
+    ///
+    /// # Errors
+    /// [`Error::BufferTooLarge`] and [`Error::OutOfMemory`].
+    pub fn buffer<T: Pod>(&self, name: &str, count: u64) -> Result<Buffer> {
+        const { assert!(align_of::<T>() <= 4 && size_of::<T>().is_multiple_of(4)) };
+        // A buffer of nothing cannot be bound, so it holds one record that nobody reads.
+        let bytes = count.max(1) * size_of::<T>() as u64;
+        let storage = match &self.backend {
+            Backend::Cpu(_) => cpu::allocate(name, bytes)?,
+            Backend::Gpu(gpu) => Storage::Gpu(gpu.allocate(name, bytes)?),
+        };
+        Ok(Buffer::new(name, bytes, storage, &self.ledger))
+    }
+
+    /// A buffer that holds `data`.
+    ///
+    /// # Errors
+    /// Those of [`Device::buffer`].
+    pub fn upload<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer> {
+        let buffer = self.buffer::<T>(name, data.len() as u64)?;
+        self.write(&buffer, data);
+        Ok(buffer)
+    }
+
+    /// Overwrites the first records of a buffer.
+    ///
+    /// # Panics
+    /// If the buffer is shorter than `data`.
+    pub fn write<T: Pod>(&self, buffer: &Buffer, data: &[T]) {
+        let words: &[u32] = bytemuck::cast_slice(data);
+        match (&self.backend, buffer.storage()) {
+            (Backend::Cpu(_), Storage::Cpu(memory)) => cpu::lock_write(memory)[..words.len()].copy_from_slice(words),
+            (Backend::Gpu(gpu), Storage::Gpu(memory)) => gpu.write(memory, bytemuck::cast_slice(words)),
+            _ => unreachable!("a buffer belongs to the device that made it"),
+        }
+    }
+
+    /// The first `count` records of a buffer.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`].
+    ///
+    /// # Panics
+    /// If the buffer is shorter than that.
+    pub fn read<T: Pod>(&self, buffer: &Buffer, count: u64) -> Result<Vec<T>> {
+        match (&self.backend, buffer.storage()) {
+            (Backend::Cpu(_), Storage::Cpu(memory)) => {
+                let memory = cpu::lock_read(memory);
+                let records: &[T] = bytemuck::cast_slice(&memory[..count as usize * size_of::<T>() / 4]);
+                Ok(records.to_vec())
+            }
+            (Backend::Gpu(gpu), Storage::Gpu(memory)) => {
+                let mut records = vec![T::zeroed(); count as usize];
+                gpu.read(buffer.name(), memory, bytemuck::cast_slice_mut(&mut records))?;
+                Ok(records)
+            }
+            _ => unreachable!("a buffer belongs to the device that made it"),
+        }
+    }
+
+    /// Executes a plan, in one submission, and waits for it.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`] and [`Error::Stage`].
+    pub fn run(&self, plan: &Plan) -> Result<()> {
+        match &self.backend {
+            Backend::Cpu(cpu) => cpu.run(plan, &self.timings),
+            Backend::Gpu(gpu) => gpu.run(plan, &self.timings),
+        }
+    }
+
+    /// How often each stage ran and for how long in all, in the order of first use: GPU time stamps, or wall clock on the CPU.
+    #[must_use]
+    pub fn stage_times(&self) -> Vec<StageTime> {
+        self.timings.report()
+    }
+
+    /// Forgets the times so far.
+    pub fn reset_stage_times(&self) {
+        self.timings.reset();
+    }
+
+    /// Bytes of each buffer name, now and at the most, in the order of first use.
+    #[must_use]
+    pub fn buffer_bytes(&self) -> Vec<BufferBytes> {
+        self.ledger.report()
+    }
+
+    /// Bytes of all buffers together, now and at the most.
+    #[must_use]
+    pub fn total_bytes(&self) -> (u64, u64) {
+        self.ledger.total()
+    }
+}

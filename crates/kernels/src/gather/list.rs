@@ -1,0 +1,91 @@
+//! The sorted list with which the thesis collects photons (section 3.1.3).
+
+use super::{Selection, before};
+
+/// The `k ≤ N` first candidates in order. A nearer photon is inserted where it belongs and the later ones move back one
+/// place; the last is lost when the list is full.
+pub struct SortedList<const N: usize> {
+    distances2: [f32; N],
+    slots: [u32; N],
+    len: u32,
+    k: u32,
+    bound: f32,
+}
+
+impl<const N: usize> SortedList<N> {
+    /// An empty list that keeps nothing until it is reset.
+    #[inline]
+    #[must_use]
+    pub fn new() -> Self {
+        Self { distances2: [0.0; N], slots: [0; N], len: 0, k: 0, bound: 0.0 }
+    }
+}
+
+impl<const N: usize> Default for SortedList<N> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl<const N: usize> Selection for SortedList<N> {
+    #[inline]
+    fn reset(&mut self, k: u32, radius2: f32) {
+        self.len = 0;
+        self.k = k;
+        self.bound = radius2;
+    }
+
+    #[inline]
+    fn bound(&self) -> f32 {
+        self.bound
+    }
+
+    #[inline]
+    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32]) {
+        let mut place = self.len;
+        if self.len == self.k {
+            place = self.len - 1;
+            let last = place as usize;
+            if !before(distance2, slot, self.distances2[last], self.slots[last], order) {
+                return;
+            }
+        } else {
+            self.len += 1;
+        }
+        let mut shifting = place > 0;
+        while shifting {
+            let previous = (place - 1) as usize;
+            if before(distance2, slot, self.distances2[previous], self.slots[previous], order) {
+                self.distances2[place as usize] = self.distances2[previous];
+                self.slots[place as usize] = self.slots[previous];
+                place -= 1;
+                shifting = place > 0;
+            } else {
+                shifting = false;
+            }
+        }
+        self.distances2[place as usize] = distance2;
+        self.slots[place as usize] = slot;
+        if self.len == self.k {
+            self.bound = self.distances2[(self.k - 1) as usize];
+        }
+    }
+
+    #[inline]
+    fn finish(&mut self, _order: &[u32]) {}
+
+    #[inline]
+    fn len(&self) -> u32 {
+        self.len
+    }
+
+    #[inline]
+    fn distance2(&self, i: u32) -> f32 {
+        self.distances2[i as usize]
+    }
+
+    #[inline]
+    fn slot(&self, i: u32) -> u32 {
+        self.slots[i as usize]
+    }
+}

@@ -1,0 +1,52 @@
+//! The walk through the 27 cells around a query.
+
+use super::Selection;
+use crate::grid::{Grid, HASH_LINEAR, cell_of, hash_cell, neighbour_cell};
+use crate::layout::Photon;
+use crate::num::flush;
+
+/// Squared distance of two points, m². Subnormal squares count as zero, since not every device has them.
+#[inline]
+#[must_use]
+pub fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let x = a[0] - b[0];
+    let y = a[1] - b[1];
+    let z = a[2] - b[2];
+    flush(x * x + y * y + z * z)
+}
+
+/// Offers `selection` every photon within the grid's radius of `position` (section 3.1.3).
+#[inline]
+pub fn search<S: Selection>(
+    position: [f32; 3],
+    grid: &Grid,
+    photons: &[Photon],
+    order: &[u32],
+    starts: &[u32],
+    ends: &[u32],
+    selection: &mut S,
+) {
+    let centre = cell_of(grid, position);
+    let mut n = 0;
+    while n < 27 {
+        let cell = neighbour_cell(centre, n);
+        let entry = hash_cell(grid, cell) as usize;
+        let end = ends[entry];
+        let mut slot = starts[entry];
+        while slot < end {
+            let other = photons[slot as usize].position;
+            let d2 = distance2(position, other);
+            // Several cells may share a table entry: a photon counts only where it lies, hence never twice.
+            if d2 <= selection.bound() && (grid.hash == HASH_LINEAR || same_cell(cell_of(grid, other), cell)) {
+                selection.offer(d2, slot, order);
+            }
+            slot += 1;
+        }
+        n += 1;
+    }
+}
+
+#[inline]
+fn same_cell(a: [u32; 3], b: [u32; 3]) -> bool {
+    a[0] == b[0] && a[1] == b[1] && a[2] == b[2]
+}

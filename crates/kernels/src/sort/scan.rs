@@ -1,0 +1,111 @@
+//! Exclusive prefix sums of the rows of a table, one workgroup a row.
+//!
+//! One kernel serves every scan of the project. Sorting scans sixteen rows, a digit each. A long array is scanned as
+//! rows of [`SCAN_BLOCK`] elements, then their totals as one more row; whoever reads element `i` adds the two.
+
+use super::SORT_LANES;
+use crate::exec::{Lanes, Store};
+use bytemuck::{Pod, Zeroable};
+
+/// Length of the rows into which a long array is cut, in elements.
+pub const SCAN_BLOCK: u32 = 4096;
+/// Elements a lane sums before the workgroup's own scan.
+const LANE_ITEMS: u32 = 16;
+
+/// Shape of the table to scan.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct ScanParams {
+    /// Elements in all; the last row may be shorter than the others.
+    pub count: u32,
+    /// Elements of a row.
+    pub row_length: u32,
+}
+
+/// Shared memory of a scanning workgroup: two copies, so that a step reads one and writes the other.
+pub type ScanShared = [u32; 512];
+
+/// Scans row `group`: `sums[i]` becomes the sum of the row's elements before `i`, and `totals[group]` that of all.
+/// Sums wrap at 2³²; the host bounds the counts so that they cannot.
+#[inline]
+pub fn scan_rows<L: Lanes<[u32; 2]>, O: Store<u32> + ?Sized, T: Store<u32> + ?Sized>(
+    lanes: &mut L,
+    group: u32,
+    shared: &mut ScanShared,
+    params: &ScanParams,
+    input: &[u32],
+    sums: &mut O,
+    totals: &mut T,
+) {
+    let begin = group * params.row_length;
+    if begin >= params.count {
+        return;
+    }
+    let mut end = begin + params.row_length;
+    if end > params.count {
+        end = params.count;
+    }
+    // registers: [sum of the lane's items or its exclusive prefix, sum of the row so far]
+    lanes.each(shared, move |_, r: &mut [u32; 2], _: &mut ScanShared| {
+        r[1] = 0;
+    });
+    let mut chunk = begin;
+    while chunk < end {
+        lanes.each(shared, move |lane, r: &mut [u32; 2], shared: &mut ScanShared| {
+            let first = chunk + lane * LANE_ITEMS;
+            let mut sum = 0u32;
+            let mut item = 0;
+            while item < LANE_ITEMS {
+                let i = first + item;
+                if i < end {
+                    sum = sum.wrapping_add(input[i as usize]);
+                }
+                item += 1;
+            }
+            r[0] = sum;
+            shared[lane as usize] = sum;
+        });
+        inclusive_scan(lanes, shared);
+        let sums = &mut *sums;
+        lanes.each(shared, move |lane, r: &mut [u32; 2], shared: &mut ScanShared| {
+            let mut sum = shared[lane as usize].wrapping_sub(r[0]).wrapping_add(r[1]);
+            let first = chunk + lane * LANE_ITEMS;
+            let mut item = 0;
+            while item < LANE_ITEMS {
+                let i = first + item;
+                if i < end {
+                    sums.set(i, sum);
+                    sum = sum.wrapping_add(input[i as usize]);
+                }
+                item += 1;
+            }
+            r[1] = r[1].wrapping_add(shared[(SORT_LANES - 1) as usize]);
+        });
+        chunk += SCAN_BLOCK;
+    }
+    lanes.each(shared, move |lane, r: &mut [u32; 2], _: &mut ScanShared| {
+        if lane == 0 {
+            totals.set(group, r[1]);
+        }
+    });
+}
+
+/// Inclusive prefix sums of `shared[0..256]` in place (Hillis and Steele 1986), using `shared[256..512]` as the other copy.
+#[inline]
+fn inclusive_scan<R, L: Lanes<R>>(lanes: &mut L, shared: &mut ScanShared) {
+    let mut from = 0;
+    let mut step = 1;
+    // Eight steps, an even number: the result ends in the copy it began in.
+    while step < SORT_LANES {
+        let to = SORT_LANES - from;
+        lanes.each(shared, move |lane, _, shared: &mut ScanShared| {
+            let mut sum = shared[(from + lane) as usize];
+            if lane >= step {
+                sum = sum.wrapping_add(shared[(from + lane - step) as usize]);
+            }
+            shared[(to + lane) as usize] = sum;
+        });
+        from = to;
+        step *= 2;
+    }
+}

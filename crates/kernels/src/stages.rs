@@ -1,0 +1,127 @@
+//! The list of every kernel, from which the shader crate makes its entry points and the CPU backend its drivers.
+
+/// Calls the macro `$with` with the list of stages.
+///
+/// A line reads `shape Name = entry_point [lanes] (parameters) = body`, where
+///
+/// * the shape is `each` (one invocation an element), `group (registers; shared)` (a workgroup in phases) or
+///   `gather (container)` (like `each`, with a container of candidates as its first parameter);
+/// * a parameter `b name: Access T` is the buffer of binding `b`: `One T` a single record and `In T` a slice, both read;
+///   `Out T` a slice that the stage writes and does not read; `Sum u32` counters.
+///
+/// The order of the bindings is the order of the body's parameters. This list is the only place that says which buffers
+/// a stage has.
+#[macro_export]
+macro_rules! stages {
+    ($with:ident) => {
+        $with! {
+            group([u32; 16]; [u32; 4096]) RadixCount = radix_count [256] (
+                0 pass: One RadixPass, 1 keys: In u32, 2 histogram: Out u32
+            ) = sort::radix_count;
+            group([u32; 2]; [u32; 512]) ScanRows = scan_rows [256] (
+                0 params: One ScanParams, 1 input: In u32, 2 sums: Out u32, 3 totals: Out u32
+            ) = sort::scan_rows;
+            group([u32; 16]; [u32; 4608]) RadixScatter = radix_scatter [256] (
+                0 pass: One RadixPass, 1 keys: In u32, 2 values: In u32, 3 offsets: In u32, 4 digit_totals: In u32,
+                5 keys_out: Out u32, 6 values_out: Out u32
+            ) = sort::radix_scatter;
+
+            each HashPhotons = hash_photons [256] (
+                0 grid: One Grid, 1 photons: In Photon, 2 keys: Out u32
+            ) = grid::hash_photons;
+            each CellRanges = cell_ranges [256] (
+                0 grid: One Grid, 1 keys: In u32, 2 starts: Out u32, 3 ends: Out u32
+            ) = grid::cell_ranges;
+            each ReorderPhotons = reorder_photons [256] (
+                0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 sorted: Out Photon
+            ) = grid::reorder_photons;
+
+            gather(Heap<17>) IrradianceHeap17 = irradiance_heap_17 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(Heap<65>) IrradianceHeap65 = irradiance_heap_65 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(Heap<257>) IrradianceHeap257 = irradiance_heap_257 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(Heap<1025>) IrradianceHeap1025 = irradiance_heap_1025 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(SortedList<17>) IrradianceList17 = irradiance_list_17 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(SortedList<65>) IrradianceList65 = irradiance_list_65 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(SortedList<257>) IrradianceList257 = irradiance_list_257 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(SortedList<1025>) IrradianceList1025 = irradiance_list_1025 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance;
+            gather(Heap<17>) NeighboursHeap17 = neighbours_heap_17 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+            gather(Heap<65>) NeighboursHeap65 = neighbours_heap_65 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+            gather(Heap<257>) NeighboursHeap257 = neighbours_heap_257 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+            gather(Heap<1025>) NeighboursHeap1025 = neighbours_heap_1025 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+            gather(SortedList<17>) NeighboursList17 = neighbours_list_17 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+            gather(SortedList<65>) NeighboursList65 = neighbours_list_65 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+            gather(SortedList<257>) NeighboursList257 = neighbours_list_257 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+            gather(SortedList<1025>) NeighboursList1025 = neighbours_list_1025 [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+            ) = gather::gather_neighbours;
+
+            each CountPhotons = count_photons [64] (
+                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 materials: In Material,
+                4 lights: In Light, 5 targets: In Target, 6 counts: Out u32, 7 status: Sum u32
+            ) = trace::count_photons;
+            each StorePhotons = store_photons [64] (
+                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 materials: In Material,
+                4 lights: In Light, 5 targets: In Target, 6 offsets: In u32, 7 block_offsets: In u32, 8 photons: Out Photon
+            ) = trace::store_photons;
+            each TraceCamera = trace_camera [64] (
+                0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 primitives: In Primitive,
+                4 materials: In Material, 5 lights: In Light, 6 queries: Out Query, 7 vertices: Out Vertex,
+                8 status: Sum u32
+            ) = trace::trace_camera;
+            each ShadeDirect = shade_direct [64] (
+                0 tile: One CameraTile, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 lights: In Light,
+                4 queries: In Query, 5 vertices: In Vertex, 6 direct: Out Irradiance
+            ) = trace::shade_direct;
+            each DevelopFilm = develop_film [64] (
+                0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
+                4 caustic: In Irradiance, 5 film: Out Pixel, 6 status: Sum u32
+            ) = trace::develop_film;
+        }
+    };
+}

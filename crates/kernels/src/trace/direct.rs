@@ -1,0 +1,62 @@
+//! Light that arrives straight from the lights, by shadow rays.
+
+use super::camera::{CameraTile, Vertex, pixel_sobol};
+use super::emission::{choose_light, light_point};
+use super::intersect::{leave, occluded};
+use super::scene::{LIGHT_AREA, Light, Primitive, SceneInfo};
+use super::vector::dot;
+use crate::exec::Store;
+use crate::layout::{Irradiance, Query};
+use crate::num::{div, sqrt};
+use glam::Vec3;
+
+const POINT_KEY: u32 = 0x5f1a_0001;
+const CHOICE_KEY: u32 = 0x5f1a_0002;
+
+/// Irradiance of vertex `i` from one point of one light: L·cos θ·cos θ'·A / d² over the light's chance, or I·cos θ / d² for
+/// a point light. Glass blocks shadow rays: what it lets through is a caustic.
+#[inline]
+pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
+    i: u32,
+    tile: &CameraTile,
+    info: &SceneInfo,
+    primitives: &[Primitive],
+    lights: &[Light],
+    queries: &[Query],
+    vertices: &[Vertex],
+    direct: &mut D,
+) {
+    if i >= tile.pixels * tile.samples {
+        return;
+    }
+    let query = queries[i as usize];
+    let mut result = Irradiance { rgb: [0.0; 3], photons: 0 };
+    if query.active != 0 && info.lights > 0 {
+        let pixel = tile.first_pixel + i / tile.samples;
+        let sample = i % tile.samples;
+        let choice = pixel_sobol(pixel, sample, tile.seed, CHOICE_KEY);
+        let at = pixel_sobol(pixel, sample, tile.seed, POINT_KEY);
+        let light = lights[choose_light(choice[0], info, lights) as usize];
+        let normal = Vec3::from_array(vertices[i as usize].normal);
+        let origin = leave(Vec3::from_array(query.position), normal);
+        let to_light = light_point(&light, at[0], at[1]) - origin;
+        let distance2 = dot(to_light, to_light);
+        let distance = sqrt(distance2);
+        if distance > 0.0 {
+            let direction = to_light * div(1.0, distance);
+            let cos = dot(normal, direction);
+            let mut geometry = 0.0;
+            if cos > 0.0 {
+                geometry = div(cos, distance2 * light.probability);
+                if light.kind == LIGHT_AREA {
+                    let cos_light = -dot(Vec3::from_array(light.normal), direction);
+                    geometry = if cos_light > 0.0 { geometry * cos_light * light.area } else { 0.0 };
+                }
+            }
+            if geometry > 0.0 && !occluded(origin, direction, distance, light.primitive, info, primitives) {
+                result.rgb = (Vec3::from_array(light.emission) * geometry).to_array();
+            }
+        }
+    }
+    direct.set(i, result);
+}

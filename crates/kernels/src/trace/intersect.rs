@@ -1,0 +1,185 @@
+//! Rays against primitives.
+
+use super::scene::{PRIMITIVE_QUAD, Primitive, SceneInfo};
+use super::vector::{dot, normalize};
+use crate::num::{abs, div, sqrt};
+use glam::Vec3;
+
+/// [`Hit::primitive`] of a ray that hit nothing.
+pub const MISS: u32 = 0xffff_ffff;
+
+/// The nearest thing a ray meets.
+#[derive(Clone, Copy)]
+pub struct Hit {
+    /// Where, in lengths of the ray's direction.
+    pub t: f32,
+    /// What: an index of a primitive, or [`MISS`].
+    pub primitive: u32,
+}
+
+/// The nearest primitive along `origin + t·direction`, t > 0. The direction has unit length.
+#[inline]
+#[must_use]
+pub fn closest_hit(origin: Vec3, direction: Vec3, info: &SceneInfo, primitives: &[Primitive]) -> Hit {
+    let mut best = Hit { t: f32::MAX, primitive: MISS };
+    let mut i = 0;
+    while i < info.primitives {
+        let t = intersect(origin, direction, &primitives[i as usize]);
+        if t > 0.0 && t < best.t {
+            best = Hit { t, primitive: i };
+        }
+        i += 1;
+    }
+    best
+}
+
+/// Whether anything but primitive `except` stands between `origin` and `origin + distance·direction`.
+#[inline]
+#[must_use]
+pub fn occluded(
+    origin: Vec3,
+    direction: Vec3,
+    distance: f32,
+    except: u32,
+    info: &SceneInfo,
+    primitives: &[Primitive],
+) -> bool {
+    let mut blocked = false;
+    let mut i = 0;
+    while i < info.primitives && !blocked {
+        if i != except {
+            let t = intersect(origin, direction, &primitives[i as usize]);
+            blocked = t > 0.0 && t < distance;
+        }
+        i += 1;
+    }
+    blocked
+}
+
+/// The smallest positive t at which the ray meets the primitive, or 0.
+#[inline]
+fn intersect(origin: Vec3, direction: Vec3, primitive: &Primitive) -> f32 {
+    let position = Vec3::from_array(primitive.position);
+    if primitive.kind == PRIMITIVE_QUAD {
+        let normal = Vec3::from_array(primitive.normal);
+        let slope = dot(normal, direction);
+        if slope == 0.0 {
+            return 0.0;
+        }
+        let t = div(dot(normal, position - origin), slope);
+        let local = origin + direction * t - position;
+        let u = dot(local, Vec3::from_array(primitive.duals[0]));
+        let v = dot(local, Vec3::from_array(primitive.duals[1]));
+        if u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0 {
+            return t;
+        }
+        return 0.0;
+    }
+    // Haines et al., "Precision Improvements for Ray/Sphere Intersection" (Ray Tracing Gems, chapter 7): the
+    // discriminant from the ray's distance to the centre, and the root without cancellation from the other one.
+    let f = origin - position;
+    let b = -dot(f, direction);
+    let nearest = f + direction * b;
+    let discriminant = primitive.radius * primitive.radius - dot(nearest, nearest);
+    if discriminant < 0.0 {
+        return 0.0;
+    }
+    let root = sqrt(discriminant);
+    let q = if b < 0.0 { b - root } else { b + root };
+    let c = dot(f, f) - primitive.radius * primitive.radius;
+    let other = if q == 0.0 { 0.0 } else { div(c, q) };
+    let near = if q < other { q } else { other };
+    let far = if q < other { other } else { q };
+    if near > 0.0 { near } else { far }
+}
+
+/// The point of a hit and the surface's unit normal there: a quad's front side, a sphere's outside. The point is put
+/// back onto the surface, so that its error is a rounding of the point itself and not of the ray's length.
+#[inline]
+#[must_use]
+pub fn surface_at(origin: Vec3, direction: Vec3, t: f32, primitive: &Primitive) -> (Vec3, Vec3) {
+    let position = Vec3::from_array(primitive.position);
+    let point = origin + direction * t;
+    if primitive.kind == PRIMITIVE_QUAD {
+        let normal = Vec3::from_array(primitive.normal);
+        (point - normal * dot(normal, point - position), normal)
+    } else {
+        let normal = normalize(point - position);
+        (position + normal * primitive.radius, normal)
+    }
+}
+
+/// Moves the start of a ray off the surface it leaves, along the unit normal of the side it leaves to, by a few units in
+/// the last place of the coordinates (Wächter and Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
+/// Tracing Gems, chapter 6).
+#[inline]
+#[must_use]
+pub fn leave(point: Vec3, normal: Vec3) -> Vec3 {
+    Vec3::new(leave_axis(point.x, normal.x), leave_axis(point.y, normal.y), leave_axis(point.z, normal.z))
+}
+
+#[inline]
+fn leave_axis(p: f32, n: f32) -> f32 {
+    // Near the origin units in the last place are too small; there the offset is absolute.
+    if abs(p) < 1.0 / 32.0 {
+        return p + n * (1.0 / 65536.0);
+    }
+    let units = (n * 256.0) as i32;
+    let bits = p.to_bits() as i32;
+    let moved = if p < 0.0 { bits - units } else { bits + units };
+    f32::from_bits(moved as u32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::trace::scene::PRIMITIVE_SPHERE;
+
+    fn sphere(radius: f32) -> Primitive {
+        Primitive { kind: PRIMITIVE_SPHERE, radius, ..Primitive::default() }
+    }
+
+    #[test]
+    fn a_ray_meets_a_sphere_outside_inside_and_not_at_all() {
+        let along = Vec3::new(0.0, 0.0, 1.0);
+        assert_eq!(intersect(Vec3::new(0.0, 0.0, -3.0), along, &sphere(1.0)), 2.0);
+        assert_eq!(intersect(Vec3::ZERO, along, &sphere(1.0)), 1.0);
+        assert_eq!(intersect(Vec3::new(0.0, 1.5, -3.0), along, &sphere(1.0)), 0.0);
+        assert!(intersect(Vec3::new(0.0, 0.0, 3.0), along, &sphere(1.0)) <= 0.0);
+    }
+
+    #[test]
+    fn a_quad_ends_at_its_edges() {
+        let quad = Primitive {
+            kind: PRIMITIVE_QUAD,
+            position: [-1.0, -1.0, 0.0],
+            normal: [0.0, 0.0, 1.0],
+            duals: [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]],
+            ..Primitive::default()
+        };
+        let down = Vec3::new(0.0, 0.0, -1.0);
+        assert_eq!(intersect(Vec3::new(0.999, -0.999, 2.0), down, &quad), 2.0);
+        assert_eq!(intersect(Vec3::new(1.001, 0.0, 2.0), down, &quad), 0.0);
+        assert_eq!(intersect(Vec3::new(0.0, 0.0, 2.0), Vec3::X, &quad), 0.0);
+    }
+
+    #[test]
+    fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
+        let mut i = 0;
+        while i < 10_000 {
+            let s = i as f32;
+            let centre = Vec3::new(s * 0.37 - 900.0, (s * 0.11).sin() * 50.0, s * 1e-3);
+            let ball = Primitive { position: centre.to_array(), ..sphere(0.35) };
+            let outward = normalize(Vec3::new((s * 1.3).sin(), (s * 2.1).cos(), (s * 0.7).sin() + 0.01));
+            let from = centre + outward * 10.0;
+            let t = intersect(from, -outward, &ball);
+            let (point, normal) = surface_at(from, -outward, t, &ball);
+            assert_eq!(closest_hit(leave(point, normal), outward, &one(), &[ball]).primitive, MISS, "{i}");
+            i += 1;
+        }
+    }
+
+    fn one() -> SceneInfo {
+        SceneInfo { primitives: 1, ..SceneInfo::default() }
+    }
+}

@@ -1,0 +1,39 @@
+//! Light transport: rays, surfaces, lights, photon paths, camera paths and the film.
+//!
+//! A path is cut where it meets a diffuse surface: what arrives there straight from a light is `direct`, what arrives
+//! after mirrors and glass alone is `caustic` (L S⁺ D in Heckbert's notation), and what was diffusely reflected before
+//! is `global`. Each part is estimated in one way only, so nothing is counted twice.
+
+mod camera;
+mod direct;
+mod emission;
+mod film;
+mod intersect;
+mod material;
+mod photons;
+mod scene;
+pub mod vector;
+
+pub use camera::{Camera, CameraTile, Vertex, trace_camera};
+pub use direct::shade_direct;
+pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_film};
+pub use intersect::{Hit, MISS, closest_hit, occluded};
+pub use photons::{PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
+pub use scene::{
+    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
+    PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
+};
+
+/// Lanes of a tracing workgroup.
+pub const TRACE_LANES: u32 = 64;
+/// Bounces after which a path is given up. Russian roulette ends nearly all long before; the rest is counted.
+pub const MAX_BOUNCES: u32 = 1024;
+
+/// Status word: photon paths given up after [`MAX_BOUNCES`].
+pub const STATUS_PHOTON_PATHS_CUT: u32 = 0;
+/// Status word: camera paths given up after [`MAX_BOUNCES`].
+pub const STATUS_CAMERA_PATHS_CUT: u32 = 1;
+/// Status word: samples that were not finite and count as black.
+pub const STATUS_NOT_FINITE: u32 = 2;
+/// Number of status words.
+pub const STATUS_WORDS: u32 = 4;

@@ -1,0 +1,166 @@
+//! Photon paths: emission, bounces, Russian roulette and storage (thesis, section 2.1.2).
+//!
+//! A path is walked twice by the same function: once to count what it stores, and once, when a prefix sum over the counts
+//! has given each path its place, to store it. So the map has exactly the size it needs, photons have the same order on
+//! every device, and none is dropped for want of room.
+
+use super::emission::emit;
+use super::intersect::{MISS, closest_hit, leave, surface_at};
+use super::material::scatter_specular;
+use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, Primitive, SceneInfo, Target};
+use super::vector::{dot, pack_direction, sample_cosine};
+use super::{MAX_BOUNCES, STATUS_PHOTON_PATHS_CUT};
+use crate::exec::{Store, Tally};
+use crate::layout::Photon;
+use crate::num::{Rng, div};
+use crate::sort::SCAN_BLOCK;
+use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
+
+/// [`PhotonPass::rays`]: photons leave in every direction the lights shine in.
+pub const RAY_GLOBAL: u32 = 0;
+/// [`PhotonPass::rays`]: photons are aimed at specular objects, and a path ends at the first diffuse surface.
+pub const RAY_CAUSTIC: u32 = 1;
+
+/// Parameters of a photon pass.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct PhotonPass {
+    /// Photons emitted, n: the divisor of each photon's power.
+    pub emitted: u32,
+    /// [`RAY_GLOBAL`] or [`RAY_CAUSTIC`]; also the stream of random numbers.
+    pub rays: u32,
+    /// Seed of the random numbers.
+    pub seed: u32,
+    /// Diffuse reflections a photon has behind it before it is stored: 1 leaves direct and caustic light out, 0 stores all.
+    pub stored_from: u32,
+}
+
+/// Counts the photons that path `i` stores.
+#[inline]
+pub fn count_photons<C: Store<u32> + ?Sized, S: Tally + ?Sized>(
+    i: u32,
+    pass: &PhotonPass,
+    info: &SceneInfo,
+    primitives: &[Primitive],
+    materials: &[Material],
+    lights: &[Light],
+    targets: &[Target],
+    counts: &mut C,
+    status: &mut S,
+) {
+    if i < pass.emitted {
+        let walked = walk(i, pass, info, primitives, materials, lights, targets, |_, _| {});
+        counts.set(i, walked.stored);
+        if walked.cut {
+            status.add(STATUS_PHOTON_PATHS_CUT, 1);
+        }
+    }
+}
+
+/// Stores the photons of path `i` from its place on: `offsets[i]`, counted from the start of its scan block, plus that
+/// block's start.
+#[inline]
+pub fn store_photons<P: Store<Photon> + ?Sized>(
+    i: u32,
+    pass: &PhotonPass,
+    info: &SceneInfo,
+    primitives: &[Primitive],
+    materials: &[Material],
+    lights: &[Light],
+    targets: &[Target],
+    offsets: &[u32],
+    block_offsets: &[u32],
+    photons: &mut P,
+) {
+    if i < pass.emitted {
+        let place = offsets[i as usize] + block_offsets[(i / SCAN_BLOCK) as usize];
+        walk(i, pass, info, primitives, materials, lights, targets, move |n, photon| {
+            photons.set(place + n, photon);
+        });
+    }
+}
+
+/// What became of a path.
+struct Walked {
+    /// Photons it stored.
+    stored: u32,
+    /// Whether it was given up after [`MAX_BOUNCES`].
+    cut: bool,
+}
+
+/// Walks path `i` and hands each photon it stores, with its number on the path, to `store`.
+#[inline]
+fn walk<F: FnMut(u32, Photon)>(
+    i: u32,
+    pass: &PhotonPass,
+    info: &SceneInfo,
+    primitives: &[Primitive],
+    materials: &[Material],
+    lights: &[Light],
+    targets: &[Target],
+    mut store: F,
+) -> Walked {
+    let mut walked = Walked { stored: 0, cut: false };
+    let rng = Rng { seed: pass.seed, stream: pass.rays, index: i };
+    let start = emit(i, pass, info, lights, targets);
+    let mut power = start.power;
+    if power.x + power.y + power.z <= 0.0 {
+        return walked;
+    }
+    let mut origin = start.origin;
+    if start.primitive != super::NO_LIGHT {
+        origin = leave(origin, Vec3::from_array(primitives[start.primitive as usize].normal));
+    }
+    let mut direction = start.direction;
+    let mut diffuse_bounces = 0;
+    let mut specular_bounces = 0;
+    let mut bounce = 0;
+    while bounce < MAX_BOUNCES {
+        let hit = closest_hit(origin, direction, info, primitives);
+        if hit.primitive == MISS {
+            return walked;
+        }
+        let primitive = primitives[hit.primitive as usize];
+        let material = materials[primitive.material as usize];
+        let (point, normal) = surface_at(origin, direction, hit.t, &primitive);
+        let draw = rng.draw4(2 + bounce);
+        if material.kind == MATERIAL_LAMBERTIAN {
+            let wanted = if pass.rays == RAY_GLOBAL { diffuse_bounces >= pass.stored_from } else { specular_bounces > 0 };
+            if wanted {
+                store(
+                    walked.stored,
+                    Photon {
+                        position: point.to_array(),
+                        direction: pack_direction(direction),
+                        power: power.to_array(),
+                        primitive: hit.primitive,
+                    },
+                );
+                walked.stored += 1;
+            }
+            // Russian roulette (Arvo and Kirk 1990): survivors carry the power of those that were absorbed.
+            if pass.rays != RAY_GLOBAL || draw[0] >= material.survival {
+                return walked;
+            }
+            let gain = div(1.0, material.survival);
+            power *= Vec3::from_array(material.reflectance) * gain;
+            let facing = if dot(direction, normal) > 0.0 { -normal } else { normal };
+            direction = sample_cosine(facing, draw[1], draw[2]);
+            origin = leave(point, facing);
+            diffuse_bounces += 1;
+        } else {
+            if draw[0] >= material.survival {
+                return walked;
+            }
+            let scattered = scatter_specular(&material, direction, normal, draw[1]);
+            power *= scattered.weight * div(1.0, material.survival);
+            direction = scattered.direction;
+            origin = leave(point, scattered.side);
+            specular_bounces += 1;
+        }
+        bounce += 1;
+    }
+    walked.cut = true;
+    walked
+}

@@ -1,0 +1,74 @@
+//! Developer tasks, run as `cargo xtask TASK`.
+//!
+//! The only task so far is `shaders`: everything else in the workspace builds with stable Rust alone, because the
+//! SPIR-V that rust-gpu's compiler makes of `shaders-crate/` is committed, together with a manifest that says what it
+//! was made from. `cargo xtask shaders` makes it anew; `cargo xtask shaders --check` proves that it is current.
+
+mod canonical;
+mod check;
+mod compile;
+mod memory_model;
+mod postprocess;
+mod reflect;
+mod shaders;
+mod sources;
+#[cfg(test)]
+mod testing;
+mod verify;
+
+use clap::{Parser, Subcommand};
+use std::process::ExitCode;
+
+/// Developer tasks of caustic.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask")]
+struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    task: Task,
+}
+
+/// The tasks.
+#[derive(Subcommand)]
+enum Task {
+    /// Build shaders-crate/ into crates/device/shaders/{caustic.spv,manifest.json}.
+    ///
+    /// Needs rust-gpu 0.10.0: either `RUST_GPU_TOOLCHAIN` and `RUSTC_CODEGEN_SPIRV`, or what cargo-gpu installs.
+    Shaders(shaders::Options),
+}
+
+fn main() -> ExitCode {
+    let Task::Shaders(options) = match Cli::try_parse() {
+        Ok(cli) => cli.task,
+        Err(error) => return usage(&error),
+    };
+    match shaders::run(&options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Help goes to stdout with 0; a usage problem is one sentence on stderr and 2.
+fn usage(error: &clap::Error) -> ExitCode {
+    if !error.use_stderr() {
+        let _ = error.print();
+        return ExitCode::SUCCESS;
+    }
+    let text = error.to_string();
+    // The first paragraph: what follows is clap's usage summary.
+    let lines: Vec<&str> = text
+        .lines()
+        .map(str::trim)
+        .take_while(|line| !line.is_empty())
+        .collect();
+    let sentence = if text.starts_with("error: ") {
+        lines.join(" ")
+    } else {
+        "error: no task given".into()
+    };
+    eprintln!("{sentence}; see `cargo xtask shaders --help`");
+    ExitCode::from(2)
+}

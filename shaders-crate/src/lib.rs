@@ -1,0 +1,69 @@
+//! SPIR-V entry points, one a stage, made from the list in `caustic_kernels::stages!`: an entry finds its index, hands its
+//! buffers to the kernel and has no logic of its own.
+#![no_std]
+#![allow(missing_docs)] // the entry points are documented where their bodies are
+
+use caustic_kernels::exec::Invocation;
+use caustic_kernels::gather::*;
+use caustic_kernels::grid::{self, *};
+use caustic_kernels::layout::*;
+use caustic_kernels::sort::{self, *};
+use caustic_kernels::trace::{self, *};
+use caustic_kernels::{gather, stages};
+use glam::UVec3;
+use spirv_std::spirv;
+
+/// The type with which a shader sees a buffer.
+macro_rules! buffer {
+    (One $t:ty) => { &$t };
+    (In $t:ty) => { &[$t] };
+    (Out $t:ty) => { &mut [$t] };
+    (Sum $t:ty) => { &mut [$t] };
+}
+
+macro_rules! entry_points {
+    () => {};
+    (each $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident;
+     $($rest:tt)*) => {
+        #[spirv(compute(threads($lanes)))]
+        pub fn $entry(
+            #[spirv(workgroup_id)] group: UVec3,
+            #[spirv(num_workgroups)] groups: UVec3,
+            #[spirv(local_invocation_id)] lane: UVec3,
+            $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
+        ) {
+            $module::$body((group.y * groups.x + group.x) * $lanes + lane.x, $($arg),*);
+        }
+        entry_points! { $($rest)* }
+    };
+    (gather($container:ty) $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*)
+     = $module:ident::$body:ident; $($rest:tt)*) => {
+        #[spirv(compute(threads($lanes)))]
+        pub fn $entry(
+            #[spirv(workgroup_id)] group: UVec3,
+            #[spirv(num_workgroups)] groups: UVec3,
+            #[spirv(local_invocation_id)] lane: UVec3,
+            $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
+        ) {
+            $module::$body((group.y * groups.x + group.x) * $lanes + lane.x, <$container>::new(), $($arg),*);
+        }
+        entry_points! { $($rest)* }
+    };
+    (group($registers:ty; $shared:ty) $name:ident = $entry:ident [$lanes:tt]
+     ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident; $($rest:tt)*) => {
+        #[spirv(compute(threads($lanes)))]
+        pub fn $entry(
+            #[spirv(workgroup_id)] group: UVec3,
+            #[spirv(num_workgroups)] groups: UVec3,
+            #[spirv(local_invocation_id)] lane: UVec3,
+            #[spirv(workgroup)] shared: &mut $shared,
+            $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
+        ) {
+            let mut lanes = Invocation { lane: lane.x, registers: <$registers>::default() };
+            $module::$body(&mut lanes, group.y * groups.x + group.x, shared, $($arg),*);
+        }
+        entry_points! { $($rest)* }
+    };
+}
+
+stages!(entry_points);
