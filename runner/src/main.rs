@@ -1,1 +1,74 @@
-fn main() {}
+//! The command-line program: parse, validate, run, report.
+
+mod args;
+mod info;
+mod map;
+mod progress;
+mod render;
+
+use args::{Arguments, Command, SceneCommand};
+use clap::Parser;
+use clap::error::ErrorKind;
+use std::process::ExitCode;
+
+/// An error with the exit code it ends the program with.
+pub struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    /// The input was wrong: exit code 2.
+    pub fn input(message: impl ToString) -> Self {
+        Self { code: 2, message: message.to_string() }
+    }
+
+    /// The machine failed: exit code 1.
+    pub fn machine(message: impl ToString) -> Self {
+        Self { code: 1, message: message.to_string() }
+    }
+
+    /// The user stopped the program before there was anything to keep: exit code 130.
+    pub fn interrupted_before_image() -> Self {
+        Self { code: 130, message: "interrupted; nothing was written".to_string() }
+    }
+
+    /// The user stopped the program and what there was is in the file: exit code 130.
+    pub fn interrupted(output: &std::path::Path) -> Self {
+        let message = format!("interrupted; {} holds the rows that were finished, the rest is black", output.display());
+        Self { code: 130, message }
+    }
+}
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) if matches!(error.kind(), ErrorKind::DisplayHelp | ErrorKind::DisplayVersion) => {
+            // Nobody to read the help is no error.
+            let _ = error.print();
+            return ExitCode::SUCCESS;
+        }
+        Err(error) => return fail(&Failure::input(first_sentence(&error))),
+    };
+    let result = match arguments.command.unwrap_or_default() {
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Map(arguments) => map::run(&arguments),
+        Command::Info { json } => info::devices(json),
+        Command::Scene { command: SceneCommand::List { json } } => info::scenes(json),
+    };
+    result.map_or_else(|failure| fail(&failure), |()| ExitCode::SUCCESS)
+}
+
+fn fail(failure: &Failure) -> ExitCode {
+    eprintln!("error: {}", failure.message);
+    ExitCode::from(failure.code)
+}
+
+/// clap's message without its usage lines: what is wrong and what would be right, in one line.
+fn first_sentence(error: &clap::Error) -> String {
+    let text = error.render().to_string();
+    let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+    let kept: Vec<_> = lines.filter(|line| !line.is_empty() && !line.starts_with("For more information")).collect();
+    let sentence = kept.join("; ");
+    format!("{} (see `caustic --help`)", sentence.trim_start_matches("error: "))
+}

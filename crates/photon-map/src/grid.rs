@@ -81,6 +81,9 @@ pub fn plan_grid(low: [f32; 3], high: [f32; 3], photons: u64, options: &MapOptio
         table: table(cells, photons, options)?,
         photons: photons as u32,
         radius2: radius * radius,
+        // 2⁻²⁰ covers the rounding of a squared distance, on both sides of the comparison it is made for.
+        cell_width: round_down((1.0 - 2f64.powi(-20)) / f64::from(inverse_cell)),
+        slack: (inner * 2f64.powi(-22)) as f32 + f32::EPSILON,
     })
 }
 

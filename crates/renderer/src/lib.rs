@@ -1,1 +1,15 @@
-//! stub
+//! From a scene to an image: photon passes, photon maps, camera paths and film, as plans on a [`Device`](caustic_device::Device).
+
+pub mod output;
+pub mod scene;
+
+mod error;
+mod photons;
+mod render;
+mod report;
+mod settings;
+
+pub use error::RenderError;
+pub use render::{Rendered, render};
+pub use report::{MapReport, Progress, RenderReport};
+pub use settings::{MAX_PIXELS, Settings, Show};

@@ -4,9 +4,11 @@ use super::{GatherParams, Selection, search};
 use crate::exec::Store;
 use crate::grid::Grid;
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
-use crate::num::div;
+use crate::num::{Sum, div, max};
 
 const PI: f32 = core::f32::consts::PI;
+/// No candidate is left out.
+const NONE: u32 = 0xffff_ffff;
 
 /// Writes the k nearest neighbours of query `i` within the grid's radius, nearest first, to `neighbours[i·k ..]`, and how
 /// many there are to `counts[i]`.
@@ -31,7 +33,7 @@ pub fn gather_neighbours<S: Selection, N: Store<Neighbour> + ?Sized, C: Store<u3
     selection.reset(params.k, grid.radius2);
     if query.active != 0 {
         search(query.position, grid, photons, order, starts, ends, &mut selection);
-        selection.finish(order);
+        selection.sort(order);
     }
     let mut n = 0;
     while n < selection.len() {
@@ -69,29 +71,49 @@ pub fn gather_irradiance<S: Selection, I: Store<Irradiance> + ?Sized>(
     if query.active != 0 {
         selection.reset(params.k + 1, grid.radius2);
         search(query.position, grid, photons, order, starts, ends, &mut selection);
-        selection.finish(order);
         let mut radius2 = grid.radius2;
+        let mut left_out = NONE;
         result.photons = selection.len();
         if selection.len() > params.k {
             result.photons = params.k;
-            radius2 = selection.distance2(params.k);
+            left_out = selection.last();
+            radius2 = selection.distance2(left_out);
         }
-        let mut n = 0;
-        while n < result.photons {
-            let power = photons[selection.slot(n) as usize].power;
-            result.rgb[0] += power[0];
-            result.rgb[1] += power[1];
-            result.rgb[2] += power[2];
-            n += 1;
-        }
+        let rgb = sum_power(&selection, left_out, photons);
         // Photons that all lie in the query's own point span no disc: the largest disc gives a finite lower bound.
         if radius2 == 0.0 {
             radius2 = grid.radius2;
         }
         let area = PI * radius2;
-        result.rgb[0] = div(result.rgb[0], area);
-        result.rgb[1] = div(result.rgb[1], area);
-        result.rgb[2] = div(result.rgb[2], area);
+        result.rgb = [div(rgb[0], area), div(rgb[1], area), div(rgb[2], area)];
     }
     irradiance.set(i, result);
+}
+
+/// Power of the selected photons, W, without the one at `left_out`: the same bits in whatever order they are held.
+#[inline]
+fn sum_power<S: Selection>(selection: &S, left_out: u32, photons: &[Photon]) -> [f32; 3] {
+    let mut largest = [0.0, 0.0, 0.0];
+    let mut n = 0;
+    while n < selection.len() {
+        if n != left_out {
+            let power = photons[selection.slot(n) as usize].power;
+            largest = [max(largest[0], power[0]), max(largest[1], power[1]), max(largest[2], power[2])];
+        }
+        n += 1;
+    }
+    let mut red = Sum::new(largest[0]);
+    let mut green = Sum::new(largest[1]);
+    let mut blue = Sum::new(largest[2]);
+    n = 0;
+    while n < selection.len() {
+        if n != left_out {
+            let power = photons[selection.slot(n) as usize].power;
+            red.add(power[0]);
+            green.add(power[1]);
+            blue.add(power[2]);
+        }
+        n += 1;
+    }
+    [red.value(), green.value(), blue.value()]
 }

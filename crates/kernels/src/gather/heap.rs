@@ -55,22 +55,15 @@ impl<const N: usize> Heap<N> {
         self.put(hole, distance2, slot);
     }
 
+    /// Makes a heap of the elements in any order (Floyd 1964).
     #[inline]
-    fn sift_up(&mut self, mut hole: u32, distance2: f32, slot: u32, order: &[u32]) {
-        let mut rising = hole > 0;
-        while rising {
-            let parent = (hole - 1) / 2;
-            let d = self.distances2[parent as usize];
-            let s = self.slots[parent as usize];
-            if before(d, s, distance2, slot, order) {
-                self.put(hole, d, s);
-                hole = parent;
-                rising = hole > 0;
-            } else {
-                rising = false;
-            }
+    fn heapify(&mut self, order: &[u32]) {
+        let mut root = self.len / 2;
+        while root > 0 {
+            root -= 1;
+            let (d, s) = (self.distances2[root as usize], self.slots[root as usize]);
+            self.sift_down(root, self.len, d, s, order);
         }
-        self.put(hole, distance2, slot);
     }
 }
 
@@ -96,10 +89,11 @@ impl<const N: usize> Selection for Heap<N> {
     #[inline]
     fn offer(&mut self, distance2: f32, slot: u32, order: &[u32]) {
         if self.len < self.k {
-            let hole = self.len;
+            // Until it is full nothing is rejected, and no order is needed.
+            self.put(self.len, distance2, slot);
             self.len += 1;
-            self.sift_up(hole, distance2, slot, order);
             if self.len == self.k {
+                self.heapify(order);
                 self.bound = self.distances2[0];
             }
         } else if before(distance2, slot, self.distances2[0], self.slots[0], order) {
@@ -109,7 +103,10 @@ impl<const N: usize> Selection for Heap<N> {
     }
 
     #[inline]
-    fn finish(&mut self, order: &[u32]) {
+    fn sort(&mut self, order: &[u32]) {
+        if self.len < self.k {
+            self.heapify(order);
+        }
         // Heapsort: the last in order leaves the heap first and takes the last place.
         let mut len = self.len;
         while len > 1 {
@@ -119,6 +116,11 @@ impl<const N: usize> Selection for Heap<N> {
             self.sift_down(0, len, d, s, order);
             self.put(len, top_d, top_s);
         }
+    }
+
+    #[inline]
+    fn last(&self) -> u32 {
+        0
     }
 
     #[inline]

@@ -72,7 +72,12 @@ impl<const N: usize> Selection for SortedList<N> {
     }
 
     #[inline]
-    fn finish(&mut self, _order: &[u32]) {}
+    fn sort(&mut self, _order: &[u32]) {}
+
+    #[inline]
+    fn last(&self) -> u32 {
+        self.k - 1
+    }
 
     #[inline]
     fn len(&self) -> u32 {

@@ -1,7 +1,7 @@
 //! The walk through the 27 cells around a query.
 
 use super::Selection;
-use crate::grid::{Grid, HASH_LINEAR, cell_of, hash_cell, neighbour_cell};
+use crate::grid::{Grid, HASH_LINEAR, cell_of, hash_cell, least_distance2, neighbour_cell};
 use crate::layout::Photon;
 use crate::num::flush;
 
@@ -30,9 +30,14 @@ pub fn search<S: Selection>(
     let mut n = 0;
     while n < 27 {
         let cell = neighbour_cell(centre, n);
-        let entry = hash_cell(grid, cell) as usize;
-        let end = ends[entry];
-        let mut slot = starts[entry];
+        // Once enough is found, cells that are farther away are left out.
+        let mut slot = 0;
+        let mut end = 0;
+        if least_distance2(grid, position, centre, cell) <= selection.bound() {
+            let entry = hash_cell(grid, cell) as usize;
+            slot = starts[entry];
+            end = ends[entry];
+        }
         while slot < end {
             let other = photons[slot as usize].position;
             let d2 = distance2(position, other);

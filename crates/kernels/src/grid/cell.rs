@@ -45,3 +45,29 @@ pub fn neighbour_cell(cell: [u32; 3], n: u32) -> [u32; 3] {
     };
     [cell[0] + place % 3 - 1, cell[1] + place / 3 % 3 - 1, cell[2] + place / 9 - 1]
 }
+
+/// A lower bound on the squared distance, m², from a position in inner cell `from` to whatever lies in neighbour cell `to`.
+///
+/// With c = (x − origin)·s in cells, every point of the next cell has a c of at least the border between the two, and the
+/// difference of two such c is wrong by [`Grid::slack`] at most.
+#[inline]
+#[must_use]
+pub fn least_distance2(grid: &Grid, position: [f32; 3], from: [u32; 3], to: [u32; 3]) -> f32 {
+    let x = axis_gap(grid, position[0], grid.origin[0], from[0], to[0]);
+    let y = axis_gap(grid, position[1], grid.origin[1], from[1], to[1]);
+    let z = axis_gap(grid, position[2], grid.origin[2], from[2], to[2]);
+    x * x + y * y + z * z
+}
+
+#[inline]
+fn axis_gap(grid: &Grid, x: f32, origin: f32, from: u32, to: u32) -> f32 {
+    if from == to {
+        return 0.0;
+    }
+    // Inner cell n spans c from n − 1 to n.
+    let c = (x - origin) * grid.inverse_cell;
+    let cells = if to > from { from as f32 - c } else { c - (from as f32 - 1.0) };
+    let gap = (cells - grid.slack) * grid.cell_width;
+    // A query outside the grid was moved into it: there, no bound is known.
+    if gap > 0.0 && gap <= grid.cell_width { gap } else { 0.0 }
+}

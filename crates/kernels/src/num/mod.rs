@@ -13,6 +13,7 @@ mod div;
 mod float;
 mod rng;
 mod sqrt;
+mod sum;
 mod trig;
 
 pub use convert::{f32_to_u32_clamped, floor_to_i32, u32_to_unit, ulp_distance};
@@ -23,6 +24,7 @@ pub use float::{
 };
 pub use rng::{Rng, pcg4d, sobol2};
 pub use sqrt::{inv_sqrt, sqrt, sqrt_corrected};
+pub use sum::{MAX_TERMS, Sum};
 pub use trig::sin_cos_turns;
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use glam::Vec3;
 
 /// Stream of the camera's random numbers; the photon passes have 0 and 1.
 const STREAM: u32 = 2;
-/// Keys that keep the three low-discrepancy sequences of a pixel apart: film, lens of the light, choice.
+/// Key of the sequence that places samples on the film; [`direct`](super::direct) has others.
 const FILM_KEY: u32 = 0x5f1a_0000;
 
 /// A pinhole camera.

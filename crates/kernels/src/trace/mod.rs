@@ -35,5 +35,7 @@ pub const STATUS_PHOTON_PATHS_CUT: u32 = 0;
 pub const STATUS_CAMERA_PATHS_CUT: u32 = 1;
 /// Status word: samples that were not finite and count as black.
 pub const STATUS_NOT_FINITE: u32 = 2;
+/// Status word: photon paths that reached a diffuse surface.
+pub const STATUS_PHOTON_PATHS_LANDED: u32 = 3;
 /// Number of status words.
 pub const STATUS_WORDS: u32 = 4;

@@ -9,7 +9,7 @@ use super::intersect::{MISS, closest_hit, leave, surface_at};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, Primitive, SceneInfo, Target};
 use super::vector::{dot, pack_direction, sample_cosine};
-use super::{MAX_BOUNCES, STATUS_PHOTON_PATHS_CUT};
+use super::{MAX_BOUNCES, STATUS_PHOTON_PATHS_CUT, STATUS_PHOTON_PATHS_LANDED};
 use crate::exec::{Store, Tally};
 use crate::layout::Photon;
 use crate::num::{Rng, div};
@@ -26,8 +26,12 @@ pub const RAY_CAUSTIC: u32 = 1;
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PhotonPass {
-    /// Photons emitted, n: the divisor of each photon's power.
+    /// Photons emitted in all, n: the divisor of each photon's power.
     pub emitted: u32,
+    /// First path of this dispatch: long passes are cut into several.
+    pub first: u32,
+    /// Paths of this dispatch.
+    pub paths: u32,
     /// [`RAY_GLOBAL`] or [`RAY_CAUSTIC`]; also the stream of random numbers.
     pub rays: u32,
     /// Seed of the random numbers.
@@ -36,7 +40,7 @@ pub struct PhotonPass {
     pub stored_from: u32,
 }
 
-/// Counts the photons that path `i` stores.
+/// Counts the photons that the `i`-th path of the dispatch stores.
 #[inline]
 pub fn count_photons<C: Store<u32> + ?Sized, S: Tally + ?Sized>(
     i: u32,
@@ -49,17 +53,21 @@ pub fn count_photons<C: Store<u32> + ?Sized, S: Tally + ?Sized>(
     counts: &mut C,
     status: &mut S,
 ) {
-    if i < pass.emitted {
-        let walked = walk(i, pass, info, primitives, materials, lights, targets, |_, _| {});
-        counts.set(i, walked.stored);
+    if i < pass.paths {
+        let path = pass.first + i;
+        let walked = walk(path, pass, info, primitives, materials, lights, targets, |_, _| {});
+        counts.set(path, walked.stored);
+        if walked.landed {
+            status.add(STATUS_PHOTON_PATHS_LANDED, 1);
+        }
         if walked.cut {
             status.add(STATUS_PHOTON_PATHS_CUT, 1);
         }
     }
 }
 
-/// Stores the photons of path `i` from its place on: `offsets[i]`, counted from the start of its scan block, plus that
-/// block's start.
+/// Stores the photons of the `i`-th path of the dispatch from the path's place on: its offset in its scan block, plus the
+/// offset of that block.
 #[inline]
 pub fn store_photons<P: Store<Photon> + ?Sized>(
     i: u32,
@@ -73,9 +81,10 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
     block_offsets: &[u32],
     photons: &mut P,
 ) {
-    if i < pass.emitted {
-        let place = offsets[i as usize] + block_offsets[(i / SCAN_BLOCK) as usize];
-        walk(i, pass, info, primitives, materials, lights, targets, move |n, photon| {
+    if i < pass.paths {
+        let path = pass.first + i;
+        let place = offsets[path as usize] + block_offsets[(path / SCAN_BLOCK) as usize];
+        walk(path, pass, info, primitives, materials, lights, targets, move |n, photon| {
             photons.set(place + n, photon);
         });
     }
@@ -85,14 +94,16 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
 struct Walked {
     /// Photons it stored.
     stored: u32,
+    /// Whether it reached a diffuse surface.
+    landed: bool,
     /// Whether it was given up after [`MAX_BOUNCES`].
     cut: bool,
 }
 
-/// Walks path `i` and hands each photon it stores, with its number on the path, to `store`.
+/// Walks path `path` and hands each photon it stores, with its number on the path, to `store`.
 #[inline]
 fn walk<F: FnMut(u32, Photon)>(
-    i: u32,
+    path: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
     primitives: &[Primitive],
@@ -101,9 +112,9 @@ fn walk<F: FnMut(u32, Photon)>(
     targets: &[Target],
     mut store: F,
 ) -> Walked {
-    let mut walked = Walked { stored: 0, cut: false };
-    let rng = Rng { seed: pass.seed, stream: pass.rays, index: i };
-    let start = emit(i, pass, info, lights, targets);
+    let mut walked = Walked { stored: 0, landed: false, cut: false };
+    let rng = Rng { seed: pass.seed, stream: pass.rays, index: path };
+    let start = emit(path, pass, info, lights, targets);
     let mut power = start.power;
     if power.x + power.y + power.z <= 0.0 {
         return walked;
@@ -126,8 +137,10 @@ fn walk<F: FnMut(u32, Photon)>(
         let (point, normal) = surface_at(origin, direction, hit.t, &primitive);
         let draw = rng.draw4(2 + bounce);
         if material.kind == MATERIAL_LAMBERTIAN {
+            walked.landed = true;
             let wanted = if pass.rays == RAY_GLOBAL { diffuse_bounces >= pass.stored_from } else { specular_bounces > 0 };
-            if wanted {
+            // What a black surface receives is never seen, and would only be found from the surfaces beside it.
+            if wanted && material.survival > 0.0 {
                 store(
                     walked.stored,
                     Photon {

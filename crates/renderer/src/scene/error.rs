@@ -24,7 +24,9 @@ impl fmt::Display for Place {
 #[non_exhaustive]
 pub enum SceneError {
     /// Neither a built-in scene nor a file.
-    #[error("there is no scene `{name}`{suggestion}: give one of the built-in scenes {known} or the path of a .toml file")]
+    #[error(
+        "there is no scene `{name}`{suggestion}: give one of the built-in scenes {known} or the path of a .toml file"
+    )]
     Unknown {
         /// What was asked for.
         name: String,
@@ -54,7 +56,9 @@ pub enum SceneError {
         limit: u64,
     },
     /// The file is not UTF-8.
-    #[error("`{path}` is not a text file (byte {offset} is not UTF-8): a scene is a TOML file, see docs/scene-format.md")]
+    #[error(
+        "`{path}` is not a text file (byte {offset} is not UTF-8): a scene is a TOML file, see docs/scene-format.md"
+    )]
     NotText {
         /// The file.
         path: String,
@@ -68,7 +72,7 @@ pub enum SceneError {
         path: String,
     },
     /// The file is not TOML.
-    #[error("{place}: this is not TOML: {problem}")]
+    #[error("{place}: this is not valid TOML: {problem}; docs/scene-format.md has an example")]
     Syntax {
         /// Where.
         place: Place,

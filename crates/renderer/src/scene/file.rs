@@ -1,6 +1,5 @@
-//! The TOML format, field by field. docs/scene-format.md is its reference for users.
+//! The TOML format, field by field, before anything is checked. docs/scene-format.md is its reference for users.
 
-use super::RenderTable;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
 use std::collections::BTreeMap;
@@ -27,7 +26,148 @@ pub(super) struct SceneFile {
     /// Spheres.
     #[serde(default)]
     pub spheres: Vec<SphereTable>,
-    /// Lights that are no surfaces.
+    /// Lights that are not surfaces.
     #[serde(default)]
     pub lights: Vec<LightTable>,
+}
+
+/// `[camera]`: a pinhole camera.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CameraTable {
+    /// Where it stands, m.
+    pub position: Numbers<3>,
+    /// What it looks at, m.
+    pub target: Numbers<3>,
+    /// The direction that points up in the picture, of any length; +y if it is not given.
+    pub up: Option<Numbers<3>>,
+    /// Angle between the picture's lower and upper edge, degrees.
+    pub vertical_fov_degrees: f64,
+}
+
+/// `[render]`: defaults for the settings of a render.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct RenderTable {
+    /// Width and height of the picture, pixels.
+    pub size: Option<Numbers<2>>,
+    /// Photons emitted for the global map.
+    pub photons: Option<i64>,
+    /// Photons emitted for the caustic map.
+    pub caustic_photons: Option<i64>,
+    /// Photons in an estimate, at most.
+    pub k: Option<i64>,
+    /// Radius within which an estimate looks for photons, m.
+    pub radius: Option<f64>,
+    /// Samples a pixel.
+    pub spp: Option<i64>,
+}
+
+/// `[materials.NAME]`: what a surface does with light.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialTable {
+    /// Which kind it is.
+    pub kind: MaterialKind,
+    /// Share of the light that is reflected, for each of red, green and blue; of a lambertian or mirror.
+    pub reflectance: Option<Numbers<3>>,
+    /// Index of refraction of a dielectric.
+    pub ior: Option<f64>,
+}
+
+/// The kinds of materials.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum MaterialKind {
+    /// Reflects evenly in all directions.
+    Lambertian,
+    /// Reflects as a perfect mirror.
+    Mirror,
+    /// Reflects and refracts as smooth, clear glass.
+    Dielectric,
+}
+
+/// `[[quads]]`: a parallelogram, whose front is the side to which `edge_u` × `edge_v` points.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct QuadTable {
+    /// What messages call it.
+    pub name: Option<String>,
+    /// One of its corners, m.
+    pub corner: Numbers<3>,
+    /// From that corner to the next, m.
+    pub edge_u: Numbers<3>,
+    /// From that corner to the one before, m.
+    pub edge_v: Numbers<3>,
+    /// Its material; a quad that emits may have none and is then black.
+    pub material: Option<String>,
+    /// Radiance that the front emits, W·sr⁻¹·m⁻².
+    pub radiance: Option<Numbers<3>>,
+}
+
+/// `[[spheres]]`: a sphere.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SphereTable {
+    /// What messages call it.
+    pub name: Option<String>,
+    /// Centre, m.
+    pub centre: Numbers<3>,
+    /// Radius, m.
+    pub radius: f64,
+    /// Its material.
+    pub material: String,
+}
+
+/// `[[lights]]`: a light that is not a surface.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LightTable {
+    /// What messages call it.
+    pub name: Option<String>,
+    /// Which kind it is: only points so far, which need no further look.
+    #[serde(rename = "kind")]
+    pub _kind: LightKind,
+    /// Where it is, m.
+    pub position: Numbers<3>,
+    /// Intensity in every direction, W·sr⁻¹.
+    pub intensity: Numbers<3>,
+}
+
+/// The kinds of lights that are not surfaces.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum LightKind {
+    /// Shines evenly in all directions.
+    Point,
+}
+
+/// An array of exactly `N` numbers. (Serde's own arrays ignore what follows the last.)
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Numbers<const N: usize>(pub [f64; N]);
+
+impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Exactly<const N: usize>;
+        impl<'de, const N: usize> Visitor<'de> for Exactly<N> {
+            type Value = Numbers<N>;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                write!(f, "an array of {N} numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut seq: A) -> Result<Numbers<N>, A::Error> {
+                let mut numbers = [0.0; N];
+                for (i, number) in numbers.iter_mut().enumerate() {
+                    *number = seq.next_element()?.ok_or_else(|| A::Error::invalid_length(i, &self))?;
+                }
+                let mut length = N;
+                while seq.next_element::<serde::de::IgnoredAny>()?.is_some() {
+                    length += 1;
+                }
+                if length == N { Ok(Numbers(numbers)) } else { Err(A::Error::invalid_length(length, &self)) }
+            }
+        }
+        deserializer.deserialize_seq(Exactly)
+    }
 }

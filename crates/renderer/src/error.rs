@@ -1,0 +1,55 @@
+//! What can go wrong in a render.
+
+use caustic_photon_map::MapError;
+
+/// An error of a render, in one sentence with the remedy.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum RenderError {
+    /// A setting is out of its range.
+    #[error("{name} is {value} but must be {range}")]
+    Setting {
+        /// The setting: the name of its flag and of its field in a scene file.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// What it may be.
+        range: String,
+    },
+    /// A map that was asked for holds nothing.
+    #[error("the {map} map stored no photons of {emitted} emitted: {remedy}")]
+    NoPhotons {
+        /// The map.
+        map: &'static str,
+        /// Photons emitted.
+        emitted: u32,
+        /// What to do about it.
+        remedy: &'static str,
+    },
+    /// More photons than a map can hold.
+    #[error("the {map} map would store {stored} photons but can hold {max}; lower --{flag} to at most {emitted}")]
+    TooManyPhotons {
+        /// The map.
+        map: &'static str,
+        /// Photons to store.
+        stored: u64,
+        /// Most a map can hold.
+        max: u32,
+        /// The flag to change.
+        flag: &'static str,
+        /// A value at which they would fit.
+        emitted: u64,
+    },
+    /// The caller asked to stop before there was an image.
+    #[error("interrupted before there was an image")]
+    Interrupted,
+    /// The photon map refused its input.
+    #[error(transparent)]
+    Map(#[from] MapError),
+}
+
+impl From<caustic_device::Error> for RenderError {
+    fn from(error: caustic_device::Error) -> Self {
+        Self::Map(MapError::Device(error))
+    }
+}

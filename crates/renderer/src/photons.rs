@@ -1,0 +1,156 @@
+//! A photon pass: count, scan, store, build.
+
+use crate::report::{MapReport, Progress};
+use crate::scene::CompiledScene;
+use crate::{RenderError, Settings};
+use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_kernels::layout::Photon;
+use caustic_kernels::sort::SCAN_BLOCK;
+use caustic_kernels::trace::{PhotonPass, STATUS_PHOTON_PATHS_CUT, STATUS_PHOTON_PATHS_LANDED, STATUS_WORDS};
+use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
+
+/// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
+const CHUNK: u32 = 1 << 20;
+/// Most photons of a map.
+const MAX_STORED: u32 = 1 << 30;
+
+/// The scene in a device's buffers.
+pub(crate) struct SceneBuffers {
+    pub(crate) info: Buffer,
+    pub(crate) primitives: Buffer,
+    pub(crate) materials: Buffer,
+    pub(crate) lights: Buffer,
+    pub(crate) targets: Buffer,
+}
+
+impl SceneBuffers {
+    pub(crate) fn new(device: &Device, scene: &CompiledScene) -> Result<Self, RenderError> {
+        Ok(Self {
+            info: device.upload("scene: info", &[scene.info])?,
+            primitives: device.upload("scene: primitives", &scene.primitives)?,
+            materials: device.upload("scene: materials", &scene.materials)?,
+            lights: device.upload("scene: lights", &scene.lights)?,
+            targets: device.upload("scene: targets", &scene.targets)?,
+        })
+    }
+}
+
+/// Which photons a pass traces and stores.
+pub(crate) struct PassKind {
+    /// Name of the map.
+    pub(crate) map: &'static str,
+    /// Name of the phase in progress reports.
+    pub(crate) phase: &'static str,
+    /// Flag that sets the number of photons.
+    pub(crate) flag: &'static str,
+    /// Photons emitted.
+    pub(crate) emitted: u32,
+    /// [`PhotonPass::rays`].
+    pub(crate) rays: u32,
+    /// [`PhotonPass::stored_from`].
+    pub(crate) stored_from: u32,
+    /// Whether an empty map is an error: it was asked for by name.
+    pub(crate) wanted: bool,
+}
+
+/// Traces the photons of a pass and builds their map. There is no map if nothing was stored.
+pub(crate) fn photon_map(
+    device: &Device,
+    scene: &CompiledScene,
+    buffers: &SceneBuffers,
+    settings: &Settings,
+    kind: &PassKind,
+    progress: &mut dyn FnMut(Progress) -> bool,
+) -> Result<(Option<PhotonMap>, MapReport), RenderError> {
+    let mut report = MapReport {
+        map: kind.map,
+        photons_emitted: kind.emitted,
+        photons_stored: 0,
+        paths_cut: 0,
+        table_entries: 0,
+        bytes: 0,
+    };
+    let emitted = kind.emitted;
+    let status = device.upload("status", &[0u32; STATUS_WORDS as usize])?;
+    let counts = device.buffer::<u32>("photon counts", u64::from(emitted))?;
+    let chunks: Vec<PhotonPass> = (0..emitted.div_ceil(CHUNK))
+        .map(|chunk| {
+            let first = chunk * CHUNK;
+            let paths = CHUNK.min(emitted - first);
+            let PassKind { rays, stored_from, .. } = *kind;
+            PhotonPass { emitted, first, paths, rays, seed: settings.seed, stored_from }
+        })
+        .collect();
+    let total = 2 * chunks.len() as u64;
+    let mut tick = |done: usize| {
+        let goes_on = progress(Progress { phase: kind.phase, done: done as u64, total });
+        if goes_on { Ok(()) } else { Err(RenderError::Interrupted) }
+    };
+    let SceneBuffers { info, primitives, materials, lights, targets } = buffers;
+
+    for (i, pass) in chunks.iter().enumerate() {
+        tick(i)?;
+        let params = device.upload("photon pass", &[*pass])?;
+        let mut plan = Plan::new();
+        plan.scope(kind.map);
+        plan.each(
+            Kernel::CountPhotons,
+            pass.paths,
+            &[&params, info, primitives, materials, lights, targets, &counts, &status],
+        );
+        device.run(&plan)?;
+    }
+    let mut plan = Plan::new();
+    plan.scope(kind.map);
+    let [offsets, block_offsets, block_totals] = scan(device, &mut plan, &counts, emitted)?;
+    device.run(&plan)?;
+    drop(counts);
+
+    // The one read-back: how many photons there are, so that the map has exactly the size it needs.
+    let words: Vec<u32> = device.read(&status, u64::from(STATUS_WORDS))?;
+    report.paths_cut = words[STATUS_PHOTON_PATHS_CUT as usize];
+    let totals: Vec<u32> = device.read(&block_totals, u64::from(emitted.div_ceil(SCAN_BLOCK)))?;
+    let stored: u64 = totals.iter().map(|&total| u64::from(total)).sum();
+    if stored > u64::from(MAX_STORED) {
+        let fits = u64::from(emitted) * u64::from(MAX_STORED) / stored;
+        let (map, flag) = (kind.map, kind.flag);
+        return Err(RenderError::TooManyPhotons { map, stored, max: MAX_STORED, flag, emitted: fits });
+    }
+    if words[STATUS_PHOTON_PATHS_LANDED as usize] == 0 && kind.stored_from == 1 {
+        let remedy = "none of them met a diffuse surface; see that the lights face the scene, or emit more with --photons";
+        return Err(RenderError::NoPhotons { map: kind.map, emitted, remedy });
+    }
+    if stored == 0 {
+        if kind.wanted {
+            let remedy = "there is no light of this kind to show; use --show beauty, or emit more photons";
+            return Err(RenderError::NoPhotons { map: kind.map, emitted, remedy });
+        }
+        return Ok((None, report));
+    }
+    report.photons_stored = stored as u32;
+
+    let (low, high) = scene.diffuse_bounds;
+    let options = MapOptions { radius: settings.radius, hash: settings.hash, table: None };
+    let grid = plan_grid(low, high, stored, &options)?;
+    let unsorted = device.buffer::<Photon>("photons", stored)?;
+    for (i, pass) in chunks.iter().enumerate() {
+        tick(chunks.len() + i)?;
+        let params = device.upload("photon pass", &[*pass])?;
+        let mut plan = Plan::new();
+        plan.scope(kind.map);
+        plan.each(
+            Kernel::StorePhotons,
+            pass.paths,
+            &[&params, info, primitives, materials, lights, targets, &offsets, &block_offsets, &unsorted],
+        );
+        device.run(&plan)?;
+    }
+    let mut plan = Plan::new();
+    plan.scope(kind.map);
+    let map = PhotonMap::plan(device, &mut plan, &unsorted, grid)?;
+    device.run(&plan)?;
+    tick(2 * chunks.len())?;
+    report.table_entries = grid.table;
+    report.bytes = map.bytes();
+    Ok((Some(map), report))
+}

@@ -1,0 +1,239 @@
+//! The render: photon maps first, then the image, tile by tile.
+
+use crate::output::Image;
+use crate::photons::{PassKind, SceneBuffers, photon_map};
+use crate::report::{MapReport, Progress, RenderReport};
+use crate::scene::{CompiledScene, Scene};
+use crate::{RenderError, Settings, Show};
+use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_kernels::layout::{Irradiance, Query};
+use caustic_kernels::trace::{
+    CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, RAY_CAUSTIC, RAY_GLOBAL,
+    STATUS_CAMERA_PATHS_CUT, STATUS_NOT_FINITE, STATUS_WORDS, Vertex,
+};
+use caustic_photon_map::PhotonMap;
+use std::time::Instant;
+
+/// Camera samples of one tile: the unit of progress. A GPU needs more of them to be busy.
+const CPU_SAMPLES: u32 = 1 << 17;
+const GPU_SAMPLES: u32 = 1 << 20;
+
+/// A finished render.
+pub struct Rendered {
+    /// The image: radiance, W·sr⁻¹·m⁻².
+    pub image: Image,
+    /// What the render did.
+    pub report: RenderReport,
+}
+
+/// Renders a scene. `progress` is called now and then, and the render stops when it returns false: with
+/// [`RenderError::Interrupted`] while there is no image yet, afterwards with the rows that are finished.
+///
+/// # Errors
+/// All of [`RenderError`].
+pub fn render(
+    scene: &Scene,
+    settings: &Settings,
+    device: &Device,
+    progress: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Rendered, RenderError> {
+    settings.validate()?;
+    let start = Instant::now();
+    let compiled = scene.compile();
+    let buffers = SceneBuffers::new(device, &compiled)?;
+    let mut notes = Vec::new();
+    let mut maps = Vec::new();
+    let mut map = |kind: Option<PassKind>| match kind {
+        Some(kind) => build(device, &compiled, &buffers, settings, &kind, &mut maps, &mut notes, progress),
+        None => Ok(None),
+    };
+    let global = map(global_pass(settings))?;
+    let caustic = map(caustic_pass(settings, &compiled))?;
+    if settings.show.parts() & PART_CAUSTIC != 0 && !compiled.has_specular {
+        notes.push("no caustic map: nothing in the scene is specular".to_string());
+    }
+
+    let camera = Camera { device, scene, buffers: &buffers, settings };
+    let (image, status, complete) = camera.image(global.as_ref(), caustic.as_ref(), progress)?;
+    let cut = status[STATUS_CAMERA_PATHS_CUT as usize];
+    if cut > 0 {
+        notes.push(format!("{cut} camera paths were given up among mirrors and glass; they count as black"));
+    }
+    let not_finite = status[STATUS_NOT_FINITE as usize];
+    if not_finite > 0 {
+        notes.push(format!("{not_finite} camera samples were not finite and count as black: a radius or power is extreme"));
+    }
+    let report = RenderReport {
+        device: device.name(),
+        complete,
+        seconds: start.elapsed().as_secs_f64(),
+        maps,
+        notes,
+        stages: device.stage_times(),
+        buffers: device.buffer_bytes(),
+        peak_bytes: device.total_bytes().1,
+        mean_radiance: mean(&image),
+    };
+    Ok(Rendered { image, report })
+}
+
+/// Mean radiance of an image, W·sr⁻¹·m⁻².
+fn mean(image: &Image) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for pixel in &image.rgb {
+        for (sum, &value) in sum.iter_mut().zip(pixel) {
+            *sum += f64::from(value);
+        }
+    }
+    sum.map(|sum| sum / image.rgb.len() as f64)
+}
+
+/// Direct light comes from shadow rays, so the global map of a picture holds only what was reflected before; shown by
+/// itself, it holds all.
+fn global_pass(settings: &Settings) -> Option<PassKind> {
+    let whole = settings.show == Show::MapGlobal;
+    (settings.show.parts() & PART_GLOBAL != 0).then_some(PassKind {
+        map: "global",
+        phase: "global photons",
+        flag: "photons",
+        emitted: settings.photons,
+        rays: RAY_GLOBAL,
+        stored_from: u32::from(!whole),
+        wanted: settings.show != Show::Beauty,
+    })
+}
+
+fn caustic_pass(settings: &Settings, scene: &CompiledScene) -> Option<PassKind> {
+    let wanted = settings.show.parts() & PART_CAUSTIC != 0;
+    (wanted && scene.has_specular && settings.caustic_photons > 0).then_some(PassKind {
+        map: "caustic",
+        phase: "caustic photons",
+        flag: "caustic-photons",
+        emitted: settings.caustic_photons,
+        rays: RAY_CAUSTIC,
+        stored_from: 0,
+        wanted: settings.show != Show::Beauty,
+    })
+}
+
+fn build(
+    device: &Device,
+    scene: &CompiledScene,
+    buffers: &SceneBuffers,
+    settings: &Settings,
+    kind: &PassKind,
+    maps: &mut Vec<MapReport>,
+    notes: &mut Vec<String>,
+    progress: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Option<PhotonMap>, RenderError> {
+    let (map, report) = photon_map(device, scene, buffers, settings, kind, progress)?;
+    if map.is_none() {
+        notes.push(format!("the {} map is empty: no such light was found", kind.map));
+    }
+    if report.paths_cut > 0 {
+        notes.push(format!("{} paths of the {} map were given up after 1024 bounces", report.paths_cut, kind.map));
+    }
+    maps.push(report);
+    Ok(map)
+}
+
+/// The second pass.
+struct Camera<'a> {
+    device: &'a Device,
+    scene: &'a Scene,
+    buffers: &'a SceneBuffers,
+    settings: &'a Settings,
+}
+
+impl Camera<'_> {
+    /// Renders the image and returns it with the status words and whether it is whole.
+    fn image(
+        &self,
+        global: Option<&PhotonMap>,
+        caustic: Option<&PhotonMap>,
+        progress: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<(Image, Vec<u32>, bool), RenderError> {
+        let Self { device, settings, .. } = *self;
+        let [width, height] = settings.size;
+        let pixels = width * height;
+        let spp = settings.spp;
+        let samples = if device.is_gpu() { GPU_SAMPLES } else { CPU_SAMPLES };
+        let tile_pixels = (samples / spp).clamp(1, pixels);
+
+        let mut parts = settings.show.parts();
+        parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
+        parts &= !if caustic.is_none() { PART_CAUSTIC } else { 0 };
+        let tile_buffer = device.buffer::<CameraTile>("camera tile", 1)?;
+        let film_tile_buffer = device.buffer::<FilmTile>("camera tile of film", 1)?;
+        let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
+        let status = device.upload("status", &[0u32; STATUS_WORDS as usize])?;
+        let maps = [global, caustic];
+        let plan = self.tile_plan(tile_pixels, parts, maps, [&tile_buffer, &film_tile_buffer, &film, &status])?;
+
+        let tiles = pixels.div_ceil(tile_pixels);
+        let mut complete = true;
+        for tile in 0..tiles {
+            complete = progress(Progress { phase: "image", done: u64::from(tile), total: u64::from(tiles) });
+            if !complete {
+                break;
+            }
+            let first_pixel = tile * tile_pixels;
+            let pixels = tile_pixels.min(pixels - first_pixel);
+            device.write(&tile_buffer, &[CameraTile { first_pixel, pixels, samples: spp, seed: settings.seed }]);
+            device.write(&film_tile_buffer, &[FilmTile { first_pixel, pixels, samples: spp, parts }]);
+            device.run(&plan)?;
+        }
+        let film: Vec<Pixel> = device.read(&film, u64::from(pixels))?;
+        let rgb = film.iter().map(|pixel| pixel.rgb).collect();
+        Ok((Image { width, height, rgb }, device.read(&status, u64::from(STATUS_WORDS))?, complete))
+    }
+
+    /// The stages of one tile. Only those whose part is wanted are in it.
+    fn tile_plan(
+        &self,
+        pixels: u32,
+        parts: u32,
+        maps: [Option<&PhotonMap>; 2],
+        [tile, film_tile, film, status]: [&Buffer; 4],
+    ) -> Result<Plan, RenderError> {
+        let Self { device, settings, .. } = *self;
+        let SceneBuffers { info, primitives, materials, lights, .. } = self.buffers;
+        let [width, height] = settings.size;
+        let samples = pixels * settings.spp;
+        let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
+        let camera = device.upload("camera", &[self.scene.camera(width, height)])?;
+        let queries = device.buffer::<Query>("sample queries", u64::from(samples))?;
+        let vertices = device.buffer::<Vertex>("sample vertices", u64::from(samples))?;
+        let direct = device.buffer::<Irradiance>("sample direct", records(parts & PART_DIRECT != 0))?;
+        let mut plan = Plan::new();
+        plan.scope("image");
+        plan.each(
+            Kernel::TraceCamera,
+            samples,
+            &[tile, &camera, info, primitives, materials, lights, &queries, &vertices, status],
+        );
+        if parts & PART_DIRECT != 0 {
+            plan.each(
+                Kernel::ShadeDirect,
+                samples,
+                &[tile, info, primitives, lights, &queries, &vertices, &direct],
+            );
+        }
+        let mut estimates = Vec::new();
+        for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {
+            let estimate = device.buffer::<Irradiance>(name, records(map.is_some()))?;
+            if let Some(map) = map {
+                plan.scope(name.trim_start_matches("sample "));
+                map.plan_irradiance(device, &mut plan, &queries, samples, settings.k, settings.gather, &estimate)?;
+            }
+            estimates.push(estimate);
+        }
+        plan.scope("image");
+        plan.each(
+            Kernel::DevelopFilm,
+            pixels,
+            &[film_tile, &vertices, &direct, &estimates[0], &estimates[1], film, status],
+        );
+        Ok(plan)
+    }
+}

@@ -1,0 +1,166 @@
+//! From a checked scene to the kernels' records. Everything is computed in f64 and rounded once.
+
+use super::content::{Content, Shape, Substance, Surface};
+use super::lights::{Source, chances};
+use caustic_kernels::trace::{
+    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
+    PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
+};
+use glam::DVec3;
+
+/// A scene as the kernels see it.
+#[derive(Clone, Debug)]
+pub struct CompiledScene {
+    /// How many of each there are.
+    pub info: SceneInfo,
+    /// Quads, then spheres, each in the file's order.
+    pub primitives: Vec<Primitive>,
+    /// Materials in the order of their names.
+    pub materials: Vec<Material>,
+    /// Area lights, then point lights, each in the file's order; at least one.
+    pub lights: Vec<Light>,
+    /// Spheres around the mirrors and dielectrics.
+    pub targets: Vec<Target>,
+    /// Lower and upper corner of a box around all surfaces that store photons, a little larger than they are, m; both are
+    /// the origin if no surface does.
+    pub diffuse_bounds: ([f32; 3], [f32; 3]),
+    /// Whether there are mirrors or dielectrics, so that there may be caustics.
+    pub has_specular: bool,
+    /// Whether there are Lambertian surfaces, the ones that store photons; black ones count.
+    pub has_diffuse: bool,
+    /// Power of all lights together, W, for each of red, green and blue: π·L·A of an area light, 4π·I of a point light.
+    pub emitted_power_w: [f64; 3],
+}
+
+/// Compiles a scene.
+pub(super) fn compile(content: &Content) -> CompiledScene {
+    let sources = sources(content);
+    let chances = chances(&sources);
+    let mut lights = Vec::with_capacity(sources.len());
+    let mut light_of = vec![NO_LIGHT; content.surfaces.len()];
+    for (source, chance) in sources.iter().zip(chances) {
+        if let Some(surface) = source.surface {
+            light_of[surface] = lights.len() as u32;
+        }
+        lights.push(Light { probability: chance.probability, cumulative: chance.cumulative, ..source.light });
+    }
+    let specular = |surface: &Surface| !matches!(content.materials[surface.material], Substance::Lambertian(_));
+    let primitives: Vec<Primitive> =
+        content.surfaces.iter().zip(&light_of).map(|(surface, &light)| primitive(surface, light)).collect();
+    let targets: Vec<Target> = content.surfaces.iter().filter(|surface| specular(surface)).map(target).collect();
+    let has_diffuse = targets.len() < primitives.len();
+    let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
+    CompiledScene {
+        info: SceneInfo {
+            primitives: primitives.len() as u32,
+            lights: lights.len() as u32,
+            targets: targets.len() as u32,
+        },
+        materials: content.materials.iter().map(material).collect(),
+        diffuse_bounds: bounds(content.surfaces.iter().filter(|surface| !specular(surface))),
+        has_specular: !targets.is_empty(),
+        has_diffuse,
+        emitted_power_w: power.to_array(),
+        primitives,
+        lights,
+        targets,
+    }
+}
+
+fn sources(content: &Content) -> Vec<Source> {
+    let areas = content.surfaces.iter().enumerate().filter_map(|(i, surface)| {
+        let (Shape::Quad { corner, edge_u, edge_v }, Some(radiance)) = (surface.shape, surface.radiance) else {
+            return None;
+        };
+        let normal = edge_u.cross(edge_v);
+        let area = normal.length();
+        let light = Light {
+            emission: rounded(radiance),
+            kind: LIGHT_AREA,
+            position: rounded(corner),
+            primitive: i as u32,
+            edges: [rounded(edge_u), rounded(edge_v)],
+            normal: rounded(normal / area),
+            area: area as f32,
+            ..Light::default()
+        };
+        Some(Source { light, surface: Some(i), power_w: radiance * (std::f64::consts::PI * area) })
+    });
+    let points = content.points.iter().map(|point| Source {
+        light: Light {
+            emission: rounded(point.intensity),
+            kind: LIGHT_POINT,
+            position: rounded(point.position),
+            primitive: NO_LIGHT,
+            ..Light::default()
+        },
+        surface: None,
+        power_w: point.intensity * (4.0 * std::f64::consts::PI),
+    });
+    areas.chain(points).collect()
+}
+
+fn primitive(surface: &Surface, light: u32) -> Primitive {
+    let shared = Primitive { material: surface.material as u32, light, ..Primitive::default() };
+    match surface.shape {
+        Shape::Sphere { centre, radius } => {
+            Primitive { kind: PRIMITIVE_SPHERE, radius: radius as f32, position: rounded(centre), ..shared }
+        }
+        Shape::Quad { corner, edge_u, edge_v } => {
+            let normal = edge_u.cross(edge_v);
+            let square = normal.length_squared();
+            Primitive {
+                kind: PRIMITIVE_QUAD,
+                position: rounded(corner),
+                normal: rounded(normal / square.sqrt()),
+                duals: [rounded(edge_v.cross(normal) / square), rounded(normal.cross(edge_u) / square)],
+                ..shared
+            }
+        }
+    }
+}
+
+fn material(substance: &Substance) -> Material {
+    let (kind, reflectance, ior) = match *substance {
+        Substance::Lambertian(reflectance) => (MATERIAL_LAMBERTIAN, reflectance, 1.0),
+        Substance::Mirror(reflectance) => (MATERIAL_MIRROR, reflectance, 1.0),
+        Substance::Dielectric(ior) => (MATERIAL_DIELECTRIC, DVec3::ONE, ior),
+    };
+    Material { reflectance: rounded(reflectance), kind, ior: ior as f32, survival: reflectance.max_element() as f32 }
+}
+
+/// The smallest sphere around a surface.
+fn target(surface: &Surface) -> Target {
+    match surface.shape {
+        Shape::Sphere { centre, radius } => Target { centre: rounded(centre), radius: radius as f32 },
+        Shape::Quad { corner, edge_u, edge_v } => Target {
+            centre: rounded(corner + (edge_u + edge_v) / 2.0),
+            radius: ((edge_u + edge_v).length().max((edge_u - edge_v).length()) / 2.0) as f32,
+        },
+    }
+}
+
+/// A box around surfaces. Photons lie on them but for rounding errors, for which it is a little larger.
+fn bounds<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> ([f32; 3], [f32; 3]) {
+    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    for surface in surfaces {
+        let (a, b) = match surface.shape {
+            Shape::Sphere { centre, radius } => (centre - radius, centre + radius),
+            Shape::Quad { corner, edge_u, edge_v } => (
+                corner + edge_u.min(DVec3::ZERO) + edge_v.min(DVec3::ZERO),
+                corner + edge_u.max(DVec3::ZERO) + edge_v.max(DVec3::ZERO),
+            ),
+        };
+        low = low.min(a);
+        high = high.max(b);
+    }
+    if low.x > high.x {
+        return ([0.0; 3], [0.0; 3]);
+    }
+    let margin = 1e-6 + 1e-5 * low.abs().max_element().max(high.abs().max_element());
+    (rounded(low - margin), rounded(high + margin))
+}
+
+fn rounded(v: DVec3) -> [f32; 3] {
+    v.as_vec3().to_array()
+}

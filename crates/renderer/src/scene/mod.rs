@@ -1,0 +1,105 @@
+//! Scenes: files in a TOML format of our own (docs/scene-format.md), checked field by field, and the kernels' records
+//! that they become.
+//!
+//! ```
+//! # fn main() -> Result<(), caustic_renderer::scene::SceneError> {
+//! use caustic_renderer::scene::Scene;
+//! let scene = Scene::load("cornell")?;
+//! let camera = scene.camera(512, 512);
+//! let records = scene.compile();
+//! assert_eq!(records.info.primitives, 8);
+//! # Ok(())
+//! # }
+//! ```
+
+mod builtin;
+mod camera;
+mod check;
+mod compile;
+mod content;
+mod document;
+mod error;
+mod file;
+mod lights;
+pub mod limits;
+mod load;
+mod surfaces;
+mod text;
+mod validate;
+mod view;
+
+#[cfg(test)]
+mod tests;
+
+pub use builtin::{BUILT_IN, BuiltIn};
+pub use compile::CompiledScene;
+pub use error::{Place, SceneError};
+
+use caustic_kernels::trace::Camera;
+use content::Content;
+use document::Document;
+
+/// A scene that has been read and checked.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Name of the built-in scene, or the file's name without folder and ending.
+    pub name: String,
+    /// What it shows, in one line; empty if the file does not say.
+    pub description: String,
+    /// The file's defaults for the settings of a render.
+    pub defaults: RenderDefaults,
+    content: Content,
+}
+
+/// A scene's defaults for the settings of a render; what is `None`, the scene leaves to the program.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RenderDefaults {
+    /// Width and height of the picture, pixels.
+    pub size: Option<[u32; 2]>,
+    /// Photons emitted for the global map.
+    pub photons: Option<u32>,
+    /// Photons emitted for the caustic map.
+    pub caustic_photons: Option<u32>,
+    /// Photons in an estimate, at most.
+    pub k: Option<u32>,
+    /// Radius within which an estimate looks for photons, m.
+    pub radius: Option<f32>,
+    /// Samples a pixel.
+    pub spp: Option<u32>,
+}
+
+impl Scene {
+    /// Loads the built-in scene of this name or else the scene file at this path.
+    ///
+    /// # Errors
+    /// If there is neither, or the file is not a scene.
+    pub fn load(spec: &str) -> Result<Self, SceneError> {
+        load::load(spec)
+    }
+
+    /// Reads a scene from the text of the file that is called `file_name`.
+    ///
+    /// # Errors
+    /// If the text is not a scene: the error says where and what to change.
+    pub fn parse(file_name: &str, text: &str) -> Result<Self, SceneError> {
+        if text.trim_start_matches('\u{feff}').trim().is_empty() {
+            return Err(SceneError::Empty { path: file_name.to_string() });
+        }
+        let document = Document::parse(file_name, text)?;
+        let file = document.fields()?;
+        let (defaults, content) = validate::validate(&document, &file)?;
+        Ok(Self { name: load::stem(file_name), description: text::one_line(&file.description), defaults, content })
+    }
+
+    /// The camera for a picture of `width` × `height` pixels, each at least 1.
+    #[must_use]
+    pub fn camera(&self, width: u32, height: u32) -> Camera {
+        camera::camera(&self.content.camera, width, height)
+    }
+
+    /// The kernels' records.
+    #[must_use]
+    pub fn compile(&self) -> CompiledScene {
+        compile::compile(&self.content)
+    }
+}

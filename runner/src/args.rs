@@ -1,0 +1,231 @@
+//! The command line.
+
+use caustic_device::DeviceChoice;
+use caustic_photon_map::{Gather, Hash};
+use caustic_renderer::Show;
+use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Photon mapping with one Rust source for CPU and GPU, the same bits on both.
+#[derive(Parser)]
+#[command(
+    version,
+    max_term_width = 110,
+    after_help = "Without a command: caustic render cornell -o cornell.png\n\n\
+        Examples:\n  \
+        caustic render cornell -o box.exr --size 640x480 --spp 64\n  \
+        caustic render cornell -o caustic.png --show map-caustic --caustic-photons 10000\n  \
+        caustic render my_scene.toml -o picture.png --hash teschner --device cpu\n  \
+        caustic map --photons uniform:1000000 --queries 300000 --k 50\n\n\
+        Exit codes: 0 done, 1 the device or disk failed, 2 the input was wrong, 130 interrupted."
+)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Renders a scene to a PNG or EXR file.
+    Render(RenderArguments),
+    /// Builds a photon map of given or synthetic photons, searches it, and checks the answers against brute force.
+    Map(MapArguments),
+    /// Lists the devices: limits, subgroup sizes, and whether they can run the exact kernels.
+    Info {
+        /// Prints JSON instead of a table.
+        #[arg(long)]
+        json: bool,
+    },
+    /// About scenes.
+    Scene {
+        #[command(subcommand)]
+        command: SceneCommand,
+    },
+}
+
+impl Default for Command {
+    fn default() -> Self {
+        let words = ["caustic", "render", "cornell", "-o", "cornell.png"];
+        match Arguments::parse_from(words).command {
+            Some(command) => command,
+            None => unreachable!("the default command names a command"),
+        }
+    }
+}
+
+#[derive(Subcommand)]
+pub enum SceneCommand {
+    /// Lists the built-in scenes, a line each.
+    List {
+        /// Prints JSON instead of a table.
+        #[arg(long)]
+        json: bool,
+    },
+}
+
+#[derive(Args)]
+pub struct RenderArguments {
+    /// A built-in scene (see `caustic scene list`) or a scene file (docs/scene-format.md).
+    pub scene: String,
+    /// The image: .png (sRGB, 8 bits) or .exr (linear, 32-bit float, with the settings as metadata).
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Size of the image in pixels.
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<[u32; 2]>,
+    /// Photons emitted for the global map: more make indirect light less blotchy, for time and 32 bytes each stored.
+    #[arg(long, value_name = "N", value_parser = whole(1, MAX_PHOTONS), allow_negative_numbers = true)]
+    pub photons: Option<u32>,
+    /// Photons emitted at mirrors and glass for the caustic map: more make caustics sharper.
+    #[arg(long, value_name = "N", value_parser = whole(0, MAX_PHOTONS), allow_negative_numbers = true)]
+    pub caustic_photons: Option<u32>,
+    /// Photons in an estimate: more are smoother and slower, fewer are sharper and noisier.
+    #[arg(long, value_name = "K", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]
+    pub k: Option<u32>,
+    /// Largest radius of an estimate in metres, and the size of a cell; reached only where photons are sparse.
+    #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
+    pub radius: Option<f32>,
+    /// Hash function of the photon maps: the image does not depend on it.
+    #[arg(long, value_enum, default_value_t)]
+    pub hash: HashArgument,
+    /// Container that collects the nearest photons: the image does not depend on it.
+    #[arg(long, value_enum, default_value_t)]
+    pub gather: GatherArgument,
+    /// Camera samples a pixel: more smooth edges, soft shadows and reflections.
+    #[arg(long, value_name = "N", value_parser = whole(1, MAX_SPP), allow_negative_numbers = true)]
+    pub spp: Option<u32>,
+    /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
+    #[arg(long, value_name = "D", default_value = "auto")]
+    pub device: DeviceChoice,
+    /// Seed of the random numbers: the same seed gives the same image on every device.
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u32,
+    /// Which part of the light to show.
+    #[arg(long, value_enum, default_value_t)]
+    pub show: ShowArgument,
+    /// Prints nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+    /// Prints a machine-readable summary to standard output: times, photons, bytes, device.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args)]
+pub struct MapArguments {
+    /// uniform:N, surface:N or clustered:N for synthetic photons in a unit cube, or a text file with `x y z` a line.
+    #[arg(long, value_name = "FILE|KIND:N", default_value = "uniform:1000000")]
+    pub photons: String,
+    /// Number of queries, drawn like the photons.
+    #[arg(long, value_name = "N", default_value = "300000", value_parser = whole(1, 1 << 26), allow_negative_numbers = true)]
+    pub queries: u32,
+    /// Neighbours of each query.
+    #[arg(long, value_name = "K", default_value = "50", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]
+    pub k: u32,
+    /// Largest distance of a neighbour; if not given, one within which 2·K photons are expected.
+    #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
+    pub radius: Option<f32>,
+    /// Hash function.
+    #[arg(long, value_enum, default_value_t)]
+    pub hash: HashArgument,
+    /// Container that collects the nearest photons.
+    #[arg(long, value_enum, default_value_t)]
+    pub gather: GatherArgument,
+    /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
+    #[arg(long, value_name = "D", default_value = "auto")]
+    pub device: DeviceChoice,
+    /// Times to repeat; the median counts.
+    #[arg(long, value_name = "N", default_value = "5", value_parser = whole(1, 1000))]
+    pub repeat: u32,
+    /// Prints JSON instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub enum HashArgument {
+    /// Cell numbers: no collisions, a table as large as the grid.
+    #[default]
+    Linear,
+    /// Teschner et al.: any extent of the scene.
+    Teschner,
+    /// Z-order: neighbouring cells lie near in memory.
+    Morton,
+}
+
+impl From<HashArgument> for Hash {
+    fn from(hash: HashArgument) -> Self {
+        match hash {
+            HashArgument::Linear => Self::Linear,
+            HashArgument::Teschner => Self::Teschner,
+            HashArgument::Morton => Self::Morton,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub enum GatherArgument {
+    /// A max-heap in a fixed-size array.
+    #[default]
+    Heap,
+    /// The sorted list of the thesis.
+    List,
+}
+
+impl From<GatherArgument> for Gather {
+    fn from(gather: GatherArgument) -> Self {
+        match gather {
+            GatherArgument::Heap => Self::Heap,
+            GatherArgument::List => Self::List,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub enum ShowArgument {
+    /// All light.
+    #[default]
+    Beauty,
+    /// Light seen straight from a light or after one diffuse reflection.
+    Direct,
+    /// Light that was diffusely reflected at least twice, from the global map.
+    Global,
+    /// Light that mirrors and glass throw on diffuse surfaces, from the caustic map.
+    Caustic,
+    /// The whole global map, visualised directly.
+    MapGlobal,
+    /// The whole caustic map, visualised directly.
+    MapCaustic,
+}
+
+impl From<ShowArgument> for Show {
+    fn from(show: ShowArgument) -> Self {
+        match show {
+            ShowArgument::Beauty => Self::Beauty,
+            ShowArgument::Direct => Self::Direct,
+            ShowArgument::Global => Self::Global,
+            ShowArgument::Caustic => Self::Caustic,
+            ShowArgument::MapGlobal => Self::MapGlobal,
+            ShowArgument::MapCaustic => Self::MapCaustic,
+        }
+    }
+}
+
+fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
+    move |text| {
+        let number = text.parse::<u32>().ok().filter(|number| (least..=most).contains(number));
+        number.ok_or_else(|| format!("it must be a whole number from {least} to {most}"))
+    }
+}
+
+fn radius(text: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok().filter(|radius| (1e-18..=1e18).contains(radius));
+    number.ok_or_else(|| "it must be a number of metres from 1e-18 to 1e18".to_string())
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let parse = |side: &str| side.parse::<u32>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
+    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| Some([parse(width)?, parse(height)?]));
+    sides.ok_or_else(|| format!("it must be WIDTHxHEIGHT, each from 1 to {MAX_SIDE}, for example 640x480"))
+}

@@ -1,0 +1,50 @@
+//! `caustic info` and `caustic scene list`.
+
+use crate::Failure;
+use caustic_device::adapters;
+use caustic_renderer::scene::{BUILT_IN, BuiltIn};
+
+/// Lists the CPU and all adapters.
+pub fn devices(json: bool) -> Result<(), Failure> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let adapters = adapters();
+    if json {
+        let value = serde_json::json!({ "cpu": { "threads": threads, "exact": true }, "adapters": adapters });
+        println!("{value:#}");
+        return Ok(());
+    }
+    println!("cpu    CPU, {threads} threads\n       exact: yes");
+    for adapter in &adapters {
+        let exact = if adapter.exact { "yes".to_string() } else { format!("no, {}", adapter.reason) };
+        println!(
+            "gpu:{:<2} {} ({}, {}, {})\n       exact: {exact}; subgroups of {} to {} lanes; workgroups of up to {} lanes with {} KiB of shared memory; buffers of up to {} MiB",
+            adapter.index,
+            adapter.name,
+            adapter.backend,
+            adapter.kind,
+            adapter.driver,
+            adapter.subgroup[0],
+            adapter.subgroup[1],
+            adapter.max_workgroup_lanes,
+            adapter.workgroup_memory_bytes >> 10,
+            adapter.max_buffer_bytes >> 20,
+        );
+    }
+    if adapters.is_empty() {
+        println!("no GPU: there is no Vulkan driver (on Debian, mesa-vulkan-drivers has a software one)");
+    }
+    Ok(())
+}
+
+/// Lists the built-in scenes.
+pub fn scenes(json: bool) -> Result<(), Failure> {
+    if json {
+        let line = |scene: &BuiltIn| serde_json::json!({ "name": scene.name, "line": scene.description() });
+        println!("{:#}", serde_json::Value::from(BUILT_IN.iter().map(line).collect::<Vec<_>>()));
+        return Ok(());
+    }
+    for scene in BUILT_IN {
+        println!("{:<12} {}", scene.name, scene.description());
+    }
+    Ok(())
+}

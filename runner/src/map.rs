@@ -1,0 +1,220 @@
+//! `caustic map`: a photon map without a picture.
+
+use crate::Failure;
+use crate::args::MapArguments;
+use caustic_device::{Buffer, Device, Plan};
+use caustic_kernels::gather::distance2;
+use caustic_kernels::layout::{Irradiance, Neighbour, Photon, Query};
+use caustic_kernels::num::Rng;
+use caustic_photon_map::{MapError, MapOptions, PhotonMap, bounds, plan_grid};
+use std::time::Instant;
+
+/// Queries whose neighbours are checked against brute force.
+const CHECKED: usize = 64;
+
+/// Builds, searches, checks and reports.
+pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
+    let source = Source::parse(&arguments.photons)?;
+    let positions = source.photons()?;
+    let queries: Vec<Query> = (0..arguments.queries)
+        .map(|i| Query { position: source.query(i, &positions), active: 1 })
+        .collect();
+    let photons: Vec<Photon> =
+        positions.iter().map(|&position| Photon { position, power: [1.0; 3], ..Photon::default() }).collect();
+    let radius = arguments.radius.unwrap_or_else(|| source.radius(photons.len(), arguments.k));
+    let options = MapOptions { radius, hash: arguments.hash.into(), table: None };
+    let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
+    eprintln!("{line}");
+
+    let timed = time(&device, &photons, &queries, &options, arguments).map_err(Failure::input)?;
+    let differ = check(&device, &photons, &queries, &options, arguments).map_err(Failure::input)?;
+    let report = serde_json::json!({
+        "device": device.name(),
+        "photons": photons.len(),
+        "queries": queries.len(),
+        "k": arguments.k,
+        "radius": radius,
+        "build_ms": timed.build_ms,
+        "query_ms": timed.query_ms,
+        "map_bytes": timed.map_bytes,
+        "peak_bytes": device.total_bytes().1,
+        "checked_queries": CHECKED.min(queries.len()),
+        "queries_that_differ_from_brute_force": differ,
+        "stages": timed.stages,
+    });
+    if arguments.json {
+        println!("{report:#}");
+    } else {
+        println!("build {:.3} ms, {} photons, radius {radius} m, {} bytes", timed.build_ms, photons.len(), timed.map_bytes);
+        println!("query {:.3} ms, {} queries, k = {}", timed.query_ms, queries.len(), arguments.k);
+        println!("times are medians of {}; positions and results stay on the device", arguments.repeat);
+        println!("{differ} of {} checked queries differ from brute force", CHECKED.min(queries.len()));
+    }
+    if differ > 0 {
+        return Err(Failure::machine(format!("{differ} queries differ from brute force: the device computes wrongly")));
+    }
+    Ok(())
+}
+
+struct Timed {
+    build_ms: f64,
+    query_ms: f64,
+    map_bytes: u64,
+    stages: Vec<caustic_device::StageTime>,
+}
+
+/// Median times of the build and of the irradiance query, from stage times: the work on the device alone.
+fn time(
+    device: &Device,
+    photons: &[Photon],
+    queries: &[Query],
+    options: &MapOptions,
+    arguments: &MapArguments,
+) -> Result<Timed, MapError> {
+    let (low, high) = bounds("photons", photons.iter().map(|photon| photon.position))?;
+    let grid = plan_grid(low, high, photons.len() as u64, options)?;
+    let unsorted = device.upload("photons", photons)?;
+    let query_buffer: Buffer = device.upload("queries", queries)?;
+    let out = device.buffer::<Irradiance>("irradiance", queries.len() as u64)?;
+    let mut build = Plan::new();
+    build.scope("build");
+    let map = PhotonMap::plan(device, &mut build, &unsorted, grid)?;
+    let mut query = Plan::new();
+    query.scope("query");
+    let count = queries.len() as u32;
+    map.plan_irradiance(device, &mut query, &query_buffer, count, arguments.k, arguments.gather.into(), &out)?;
+    device.run(&build)?;
+    device.run(&query)?;
+    let run = |plan: &Plan| -> Result<f64, MapError> {
+        let mut times = Vec::new();
+        for _ in 0..arguments.repeat {
+            device.reset_stage_times();
+            let start = Instant::now();
+            device.run(plan)?;
+            let stages: f64 = device.stage_times().iter().map(|stage| stage.ms).sum();
+            // An adapter without time stamps leaves the wall clock.
+            times.push(if stages > 0.0 { stages } else { start.elapsed().as_secs_f64() * 1e3 });
+        }
+        times.sort_by(f64::total_cmp);
+        Ok(times[times.len() / 2])
+    };
+    let build_ms = run(&build)?;
+    let mut stages = device.stage_times();
+    let query_ms = run(&query)?;
+    stages.extend(device.stage_times());
+    for stage in &mut stages {
+        // Only the last repetition is kept.
+        stage.ms = (stage.ms * 1e6).round() / 1e6;
+    }
+    Ok(Timed { build_ms, query_ms, map_bytes: map.bytes(), stages })
+}
+
+/// How many of the first queries have other neighbours, or other distances, than brute force finds.
+fn check(
+    device: &Device,
+    photons: &[Photon],
+    queries: &[Query],
+    options: &MapOptions,
+    arguments: &MapArguments,
+) -> Result<usize, MapError> {
+    let map = PhotonMap::build(device, photons, options)?;
+    let queries = &queries[..CHECKED.min(queries.len())];
+    let found = map.k_nearest(device, queries, arguments.k, arguments.gather.into())?;
+    let differ = queries.iter().zip(&found).filter(|(query, found)| {
+        let mut all: Vec<Neighbour> = photons
+            .iter()
+            .enumerate()
+            .map(|(i, photon)| Neighbour { distance2: distance2(query.position, photon.position), photon: i as u32 })
+            .filter(|neighbour| neighbour.distance2 <= map.grid().radius2)
+            .collect();
+        all.sort_by(|a, b| a.distance2.total_cmp(&b.distance2).then(a.photon.cmp(&b.photon)));
+        all.truncate(arguments.k as usize);
+        all != **found
+    });
+    Ok(differ.count())
+}
+
+/// Where photons come from.
+enum Source {
+    /// Evenly in the unit cube.
+    Uniform(u32),
+    /// Evenly on the six faces of the unit cube.
+    Surface(u32),
+    /// Nine of ten in a thousandth of the cube's volume.
+    Clustered(u32),
+    /// A text file.
+    File(std::path::PathBuf),
+}
+
+impl Source {
+    fn parse(text: &str) -> Result<Self, Failure> {
+        let number = |n: &str| {
+            let number = n.parse::<u32>().ok().filter(|n| (1..=1 << 28).contains(n));
+            number.ok_or_else(|| Failure::input(format!("--photons {text}: the number must be 1 to {}", 1 << 28)))
+        };
+        match text.split_once(':') {
+            Some(("uniform", n)) => Ok(Self::Uniform(number(n)?)),
+            Some(("surface", n)) => Ok(Self::Surface(number(n)?)),
+            Some(("clustered", n)) => Ok(Self::Clustered(number(n)?)),
+            _ => Ok(Self::File(text.into())),
+        }
+    }
+
+    fn photons(&self) -> Result<Vec<[f32; 3]>, Failure> {
+        match self {
+            Self::Uniform(n) | Self::Surface(n) | Self::Clustered(n) => Ok((0..*n).map(|i| self.draw(0, i)).collect()),
+            Self::File(path) => read(path),
+        }
+    }
+
+    fn query(&self, i: u32, photons: &[[f32; 3]]) -> [f32; 3] {
+        match self {
+            Self::File(_) => photons[i as usize % photons.len()],
+            _ => self.draw(1, i),
+        }
+    }
+
+    fn draw(&self, stream: u32, index: u32) -> [f32; 3] {
+        let [x, y, z, w] = Rng { seed: 0, stream, index }.draw4(0);
+        match self {
+            Self::Surface(_) => {
+                let face = (w * 6.0) as u32;
+                let mut position = [x, y, z];
+                position[face as usize % 3] = (face / 3) as f32;
+                position
+            }
+            Self::Clustered(_) if w < 0.9 => [0.45 + 0.1 * x, 0.45 + 0.1 * y, 0.45 + 0.1 * z],
+            _ => [x, y, z],
+        }
+    }
+
+    /// A radius within which 2·k photons are expected around an average query.
+    fn radius(&self, photons: usize, k: u32) -> f32 {
+        let wanted = 2.0 * f64::from(k) / photons.max(1) as f64;
+        let radius = match self {
+            Self::Surface(_) => (6.0 * wanted / std::f64::consts::PI).sqrt(),
+            Self::Clustered(_) => 0.1 * (wanted / 0.9 * 0.75 / std::f64::consts::PI).cbrt(),
+            _ => (wanted * 0.75 / std::f64::consts::PI).cbrt(),
+        };
+        radius.min(1.0) as f32
+    }
+}
+
+/// Reads `x y z` lines. Lines that begin with # are comments.
+fn read(path: &std::path::Path) -> Result<Vec<[f32; 3]>, Failure> {
+    let file = path.display();
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::input(format!("{file}: {error}; give a text file with `x y z` a line, or uniform:N")))?;
+    let mut positions = Vec::new();
+    for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')) {
+        let numbers: Vec<f32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
+        match numbers[..] {
+            [x, y, z, ..] => positions.push([x, y, z]),
+            _ => return Err(Failure::input(format!("{file}, line {}: three numbers `x y z` must stand here", i + 1))),
+        }
+    }
+    if positions.is_empty() {
+        return Err(Failure::input(format!("{file} holds no photons; it needs a line `x y z` for each")));
+    }
+    Ok(positions)
+}

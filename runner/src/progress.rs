@@ -1,0 +1,48 @@
+//! Progress with an estimate of the time left, and Ctrl-C.
+
+use caustic_renderer::Progress;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// A progress bar that also knows whether the user wants to stop.
+pub struct Monitor {
+    bar: ProgressBar,
+    phase: &'static str,
+    stop: Arc<AtomicBool>,
+}
+
+impl Monitor {
+    /// A bar on standard error, hidden if `quiet` or if that is no terminal.
+    pub fn new(quiet: bool) -> Self {
+        let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
+        let style = ProgressStyle::with_template("{msg:16} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+        let stop = Arc::new(AtomicBool::new(false));
+        let on_signal = Arc::clone(&stop);
+        // Without a handler Ctrl-C ends the program at once, which also leaves no file behind.
+        let _ = ctrlc::set_handler(move || {
+            if on_signal.swap(true, Relaxed) {
+                std::process::exit(130);
+            }
+        });
+        Self { bar, phase: "", stop }
+    }
+
+    /// Shows how far the work is. Returns whether it should go on.
+    pub fn show(&mut self, progress: Progress) -> bool {
+        if progress.phase != self.phase {
+            self.phase = progress.phase;
+            self.bar.reset();
+            self.bar.set_message(progress.phase);
+        }
+        self.bar.set_length(progress.total);
+        self.bar.set_position(progress.done);
+        !self.stop.load(Relaxed)
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}

@@ -1,0 +1,106 @@
+//! The SPIR-V and the kernels belong together.
+
+use caustic_device::{Access, Kernel, manifest};
+use caustic_kernels::gather::{CAPACITIES, GATHER_LANES};
+use caustic_kernels::grid::GRID_LANES;
+use caustic_kernels::sort::{SORT_BLOCK, SORT_ITEMS, SORT_LANES};
+use std::collections::{BTreeMap, BTreeSet};
+
+const MANIFEST: &str = include_str!("../../crates/device/shaders/manifest.json");
+
+#[test]
+fn the_spirv_has_the_entry_point_of_every_kernel_and_no_other() {
+    let kernels: BTreeSet<_> = Kernel::ALL.iter().map(|kernel| kernel.entry_point().to_string()).collect();
+    let entries: Vec<_> = manifest().entry_points.into_iter().map(|entry| entry.name).collect();
+    assert_eq!(kernels.len(), Kernel::ALL.len(), "two kernels share an entry point");
+    assert_eq!(entries.iter().cloned().collect::<BTreeSet<_>>(), kernels);
+    assert_eq!(entries.len(), kernels.len(), "an entry point is listed twice");
+}
+
+#[test]
+fn entry_points_have_the_lanes_and_the_bindings_of_their_kernels() {
+    let entries: BTreeMap<_, _> =
+        manifest().entry_points.into_iter().map(|entry| (entry.name.clone(), entry)).collect();
+    for kernel in Kernel::ALL {
+        let entry = &entries[kernel.entry_point()];
+        assert_eq!(entry.local_size, [kernel.lanes(), 1, 1], "{}", entry.name);
+        let found: Vec<_> = entry.bindings.iter().map(|binding| (binding.set, binding.binding)).collect();
+        let expected: Vec<_> = (0..kernel.bindings().len() as u32).map(|i| (0, i)).collect();
+        assert_eq!(found, expected, "{}", entry.name);
+    }
+}
+
+/// wgpu lays a read-only buffer out as such, and a shader that wrote it would be undefined.
+#[test]
+fn entry_points_write_what_their_kernels_write() {
+    let manifest: serde_json::Value = serde_json::from_str(MANIFEST).unwrap();
+    let entries = manifest["entry_points"].as_array().unwrap();
+    for kernel in Kernel::ALL {
+        let entry = entries.iter().find(|entry| entry["name"] == kernel.entry_point()).unwrap();
+        for (i, binding) in kernel.bindings().iter().enumerate() {
+            let expected = match binding.access {
+                Access::One | Access::In => "read",
+                Access::Out | Access::Sum => "read_write",
+            };
+            let found = &entry["bindings"][i];
+            assert_eq!(found["access"], expected, "{}: `{}`", kernel.entry_point(), binding.name);
+            assert_eq!(found["kind"], "storage", "{}: `{}`", kernel.entry_point(), binding.name);
+        }
+    }
+}
+
+#[test]
+fn records_have_the_sizes_that_shaders_expect() {
+    // Sums of four-byte fields without padding, from the documentation of each record.
+    let expected = BTreeMap::from([
+        ("photons", 32),
+        ("sorted", 32),
+        ("queries", 16),
+        ("neighbours", 8),
+        ("irradiance", 16),
+        ("grid", 52),
+        ("params", 8),
+        ("keys", 4),
+        ("order", 4),
+        ("starts", 4),
+        ("ends", 4),
+        ("histogram", 4),
+    ]);
+    let mut seen = BTreeSet::new();
+    for kernel in Kernel::ALL {
+        for binding in kernel.bindings() {
+            if let Some(&bytes) = expected.get(binding.name) {
+                assert_eq!(binding.record_bytes, bytes, "{}: `{}`", kernel.entry_point(), binding.name);
+                seen.insert(binding.name);
+            }
+            // The alignment that `Device::buffer` and the CPU backend rely on.
+            assert_eq!(binding.record_bytes % 4, 0, "{}: `{}`", kernel.entry_point(), binding.name);
+        }
+    }
+    assert_eq!(seen.len(), expected.len(), "a record is nobody's: {seen:?}");
+}
+
+#[test]
+fn kernels_have_the_lanes_that_their_bodies_assume() {
+    assert_eq!(SORT_BLOCK, SORT_LANES * SORT_ITEMS);
+    for kernel in [Kernel::RadixCount, Kernel::ScanRows, Kernel::RadixScatter] {
+        assert_eq!(kernel.lanes(), SORT_LANES);
+    }
+    for kernel in [Kernel::HashPhotons, Kernel::CellRanges, Kernel::ReorderPhotons] {
+        assert_eq!(kernel.lanes(), GRID_LANES);
+    }
+    let gathers: Vec<_> = Kernel::ALL
+        .iter()
+        .filter(|kernel| {
+            let name = kernel.entry_point();
+            name.starts_with("irradiance_") || name.starts_with("neighbours_")
+        })
+        .collect();
+    // Two results, two containers.
+    assert_eq!(gathers.len(), 4 * CAPACITIES.len());
+    for kernel in gathers {
+        assert_eq!(kernel.lanes(), GATHER_LANES);
+        let capacity = kernel.entry_point().rsplit('_').next().unwrap().parse::<u32>().unwrap();
+        assert!(CAPACITIES.contains(&capacity), "{}", kernel.entry_point());
+    }
+}
