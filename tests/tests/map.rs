@@ -94,15 +94,20 @@ fn the_gpu_finds_the_neighbours_and_estimates_of_brute_force() {
 }
 
 /// The larger containers, filled, within what llvmpipe can do: a heap makes 2·log₂ k steps a photon, a list k / 2.
+/// It also takes a minute and a half to compile a kernel with a container of 1025, each of the four, so it is spared those
+/// unless `CAUSTIC_TEST_SLOW=1` asks for them.
 #[test]
-fn the_gpu_fills_its_largest_containers() {
+fn the_gpu_fills_its_larger_containers() {
     let Some(gpu) = gpu() else { return };
-    for (n, gather, ks) in [(1200, Gather::Heap, [65, 256, 1024]), (300, Gather::List, [65, 256, 270])] {
+    let largest = !limits_loops(gpu) || std::env::var("CAUSTIC_TEST_SLOW").is_ok_and(|value| value == "1");
+    let runs = [(1200, Gather::Heap, [65, 255, 1024]), (300, Gather::List, [65, 255, 270])];
+    for (n, gather, ks) in runs {
+        let ks = if largest { &ks[..] } else { &ks[..2] };
         let mut set = sets(n).into_iter().find(|set| set.name == "all in one cell").unwrap();
         set.queries.truncate(16);
         let within = all_within(&set);
-        assert!(within.iter().any(|row| row.len() > ks[2] as usize), "the containers are not filled");
-        check(gpu, &set, &within, Hash::Teschner, &[gather], &ks);
+        assert!(within.iter().any(|row| row.len() > ks[ks.len() - 1] as usize), "the containers are not filled");
+        check(gpu, &set, &within, Hash::Teschner, &[gather], ks);
     }
 }
 
@@ -401,7 +406,7 @@ fn options_that_make_no_map_are_refused() {
 }
 
 /// Estimates from `k` photons of photons spread evenly over the unit square, whose irradiance is 1 W·m⁻² exactly: for each
-/// query with r = r_{k+1}, as the map has it, and with r = r_k, the estimator of eq. 2.1 taken literally.
+/// query with the radius of the (k + 1)-th, as the map has it, and of the k-th, the estimator of eq. 2.1 taken literally.
 fn even_estimates(k: u32) -> (Vec<f64>, Vec<f64>) {
     const MAPS: u32 = 20;
     const PHOTONS: u32 = 20_000;

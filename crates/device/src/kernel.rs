@@ -50,6 +50,11 @@ macro_rules! kernels {
                 match self { $(Self::$name => stringify!($entry)),* }
             }
 
+            /// Its SPIR-V, as `cargo xtask shaders` made it.
+            pub(crate) fn spirv(self) -> &'static [u8] {
+                match self { $(Self::$name => include_bytes!(concat!("../shaders/", stringify!($entry), ".spv"))),* }
+            }
+
             /// Lanes of a workgroup.
             #[must_use]
             pub fn lanes(self) -> u32 {

@@ -67,6 +67,7 @@ pub fn structure(module: &Module) -> Result<Vec<String>> {
             );
         }
     }
+    pointers_stand_alone(module)?;
     for function in &module.functions {
         for inst in function.all_inst_iter() {
             if let Some(refused) = refused(inst, &glsl) {
@@ -82,6 +83,25 @@ pub fn structure(module: &Module) -> Result<Vec<String>> {
         .iter()
         .filter_map(|inst| odd_constant(module, inst))
         .collect())
+}
+
+/// Refuses pointers in structs and in phis: see [`forward`](crate::forward) for the driver that crashes on them.
+fn pointers_stand_alone(module: &Module) -> Result<()> {
+    let of = |op| {
+        module.types_global_values.iter().filter(move |inst: &&Instruction| inst.class.opcode == op)
+    };
+    let pointers: BTreeSet<u32> = of(Op::TypePointer).filter_map(|inst| inst.result_id).collect();
+    let holds_pointer =
+        |inst: &Instruction| inst.operands.iter().filter_map(Operand::id_ref_any).any(|id| pointers.contains(&id));
+    let chosen = |inst: &Instruction| {
+        matches!(inst.class.opcode, Op::Phi | Op::Select) && inst.result_type.is_some_and(|id| pointers.contains(&id))
+    };
+    if of(Op::TypeStruct).any(holds_pointer) || module.functions.iter().any(|f| f.all_inst_iter().any(chosen)) {
+        bail!(
+            "a kernel keeps a reference inside a value or chooses between references, on which NVIDIA's driver crashes: make the closures `move`, or pass the buffers themselves"
+        );
+    }
+    Ok(())
 }
 
 /// The names of the capabilities that the module declares.

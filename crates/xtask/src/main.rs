@@ -7,6 +7,7 @@
 mod canonical;
 mod check;
 mod compile;
+mod forward;
 mod memory_model;
 mod postprocess;
 mod reflect;

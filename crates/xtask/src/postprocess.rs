@@ -1,25 +1,46 @@
 //! What happens to rust-gpu's module before it is committed: float operations pinned down, debug text removed, memory
 //! model rewritten, order made canonical.
 
-use crate::{canonical, memory_model, verify};
+use crate::{canonical, forward, memory_model, verify};
 use anyhow::{Result, anyhow};
 use rspirv::binary::Assemble;
 use rspirv::dr::{Instruction, Module, Operand};
 use rspirv::spirv::{Capability, Decoration, Op};
 use std::collections::BTreeSet;
 
-/// Post-processes the compiler's words; `private` paths must not be found in the result.
-pub fn process(words: &[u32], private: &[String]) -> Result<(Module, Vec<u32>)> {
-    let mut module = load(words)?;
-    strip(&mut module);
-    memory_model::to_glsl450(&mut module)?;
-    forbid_contraction(&mut module);
-    canonical::order(&mut module)?;
-    drop_unused_capabilities(&mut module);
-    let words = module.assemble();
-    verify::no_contraction(&words)?;
-    verify::no_paths(&words, private)?;
-    Ok((module, words))
+/// A finished module with a single entry point.
+pub struct Finished {
+    /// Name of the entry point.
+    pub name: String,
+    /// The module.
+    pub module: Module,
+    /// The module's words.
+    pub words: Vec<u32>,
+}
+
+/// Post-processes the compiler's words into a module for each entry point; `private` paths must not be found in them.
+///
+/// One module holds all entry points when it comes from the compiler. Drivers read a module whole for each pipeline: NVIDIA's
+/// took 0.4 to 0.9 s a pipeline that way, and 0.03 s for a small kernel by itself.
+pub fn process(words: &[u32], private: &[String]) -> Result<Vec<Finished>> {
+    let mut all = load(words)?;
+    strip(&mut all);
+    memory_model::to_glsl450(&mut all)?;
+    forward::composites(&mut all);
+    forbid_contraction(&mut all);
+    canonical::order(&mut all)?;
+    let mut finished = Vec::new();
+    for entry in &all.entry_points {
+        let mut module = all.clone();
+        module.entry_points = vec![entry.clone()];
+        canonical::order(&mut module)?;
+        drop_unused_capabilities(&mut module);
+        let words = module.assemble();
+        verify::no_contraction(&words)?;
+        verify::no_paths(&words, private)?;
+        finished.push(Finished { name: canonical::name(entry).to_owned(), module, words });
+    }
+    Ok(finished)
 }
 
 /// Parses words.

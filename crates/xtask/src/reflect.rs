@@ -7,11 +7,9 @@ use rspirv::spirv::{Decoration, ExecutionMode, Op, StorageClass};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What `crates/device` needs to know about the module, and what it was made from.
+/// What `crates/device` needs to know about the modules, and what they were made from.
 #[derive(Serialize, Deserialize)]
 pub struct Manifest {
-    /// Of `caustic.spv`.
-    pub spirv_sha256: String,
     /// Of everything that goes in: see `sources`.
     pub sources_sha256: String,
     /// The compiler's name and version.
@@ -25,6 +23,8 @@ pub struct Manifest {
 pub struct EntryPoint {
     /// As in the module, which is the path of the Rust function.
     pub name: String,
+    /// Of its module, `<name>.spv`.
+    pub spirv_sha256: String,
     /// Invocations a workgroup.
     pub local_size: [u32; 3],
     /// Sorted by set and binding.
@@ -64,13 +64,13 @@ pub enum Access {
     ReadWrite,
 }
 
-/// Reflects all entry points.
-pub fn entry_points(module: &Module) -> Result<Vec<EntryPoint>> {
+/// Reflects all entry points of a module whose bytes have this hash.
+pub fn entry_points(module: &Module, spirv_sha256: &str) -> Result<Vec<EntryPoint>> {
     let variables = variables(module);
     module
         .entry_points
         .iter()
-        .map(|entry| entry_point(module, &variables, entry))
+        .map(|entry| entry_point(module, &variables, entry, spirv_sha256))
         .collect()
 }
 
@@ -78,6 +78,7 @@ fn entry_point(
     module: &Module,
     variables: &BTreeMap<u32, StorageClass>,
     entry: &Instruction,
+    spirv_sha256: &str,
 ) -> Result<EntryPoint> {
     let name = canonical::name(entry).to_owned();
     let main = entry.operands[1]
@@ -126,6 +127,7 @@ fn entry_point(
         .with_context(|| format!("{name} has no LocalSize: is it a compute entry?"))?;
     Ok(EntryPoint {
         name,
+        spirv_sha256: spirv_sha256.to_owned(),
         local_size,
         bindings,
     })

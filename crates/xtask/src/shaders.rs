@@ -2,18 +2,19 @@
 
 use crate::compile::Compiler;
 use crate::reflect::Manifest;
-use crate::{check, compile, postprocess, sources, verify};
+use crate::{check, compile, postprocess, reflect, sources, verify};
 use anyhow::{Context, Result, bail};
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The committed module, relative to the workspace root.
-const MODULE: &str = "crates/device/shaders/caustic.spv";
-/// The committed manifest, relative to the workspace root.
-const MANIFEST: &str = "crates/device/shaders/manifest.json";
+/// Where the committed files are, relative to the workspace root: a module an entry point, and the manifest.
+const FOLDER: &str = "crates/device/shaders";
+/// The manifest's name.
+const MANIFEST: &str = "manifest.json";
 /// What to do about every difference.
-const REMEDY: &str = "run `cargo xtask shaders` and commit both files";
+const REMEDY: &str = "run `cargo xtask shaders` and commit crates/device/shaders";
 
 /// Options of the task.
 #[derive(clap::Args)]
@@ -39,107 +40,112 @@ pub fn run(options: &Options) -> Result<()> {
     }
 }
 
-/// Both files' bytes, as the sources give them.
-struct Built {
-    module: Vec<u8>,
-    manifest: Vec<u8>,
-    entry_points: usize,
-}
+/// The files of [`FOLDER`], by name, as the sources give them.
+type Files = BTreeMap<String, Vec<u8>>;
 
-/// From sources to bytes, in memory.
-fn build(root: &Path, compiler: &Compiler) -> Result<Built> {
+/// From sources to files, in memory.
+fn build(root: &Path, compiler: &Compiler) -> Result<Files> {
     let start = Instant::now();
     let raw = compiler.build(root)?;
-    println!(
-        "shaders: compiled in {:.1} s, {} bytes",
-        start.elapsed().as_secs_f32(),
-        raw.len() * 4
-    );
-    let (module, words) = postprocess::process(&raw, &compile::private_paths(root))?;
-    let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
-    for warning in check::structure(&module)? {
+    println!("shaders: compiled in {:.1} s, {} bytes", start.elapsed().as_secs_f32(), raw.len() * 4);
+    let mut files = Files::new();
+    let mut entry_points = Vec::new();
+    let mut warnings = BTreeSet::new();
+    let mut capabilities = BTreeSet::new();
+    let mut validated = String::new();
+    let mut float_operations = 0;
+    for kernel in postprocess::process(&raw, &compile::private_paths(root))? {
+        let bytes: Vec<u8> = kernel.words.iter().flat_map(|word| word.to_le_bytes()).collect();
+        warnings.extend(check::structure(&kernel.module)?);
+        capabilities.extend(check::capabilities(&kernel.module));
+        validated = verify::spirv_val(&bytes).with_context(|| kernel.name.clone())?;
+        float_operations += verify::float_ops(&kernel.words)?.len();
+        entry_points.append(&mut reflect::entry_points(&kernel.module, &sources::sha256(&bytes))?);
+        files.insert(format!("{}.spv", kernel.name), bytes);
+    }
+    for warning in warnings {
         println!("shaders: warning: {warning}");
     }
-    println!("shaders: {}", verify::spirv_val(&bytes)?);
-    let manifest = Manifest {
-        spirv_sha256: sources::sha256(&bytes),
-        sources_sha256: sources::hash(root)?,
-        compiler: compile::NAME.into(),
-        entry_points: crate::reflect::entry_points(&module)?,
-    };
+    println!("shaders: {validated}");
+    println!(
+        "shaders: {} entry points, {} bytes, {float_operations} float operations kept uncontracted, capabilities {}",
+        entry_points.len(),
+        files.values().map(Vec::len).sum::<usize>(),
+        capabilities.into_iter().collect::<Vec<_>>().join(" ")
+    );
+    let manifest =
+        Manifest { sources_sha256: sources::hash(root)?, compiler: compile::NAME.into(), entry_points };
     let mut json = serde_json::to_vec_pretty(&manifest)?;
     json.push(b'\n');
-    println!(
-        "shaders: {} entry points, {} bytes, {} float operations kept uncontracted, capabilities {}",
-        manifest.entry_points.len(),
-        bytes.len(),
-        verify::float_ops(&words)?.len(),
-        check::capabilities(&module).join(" ")
-    );
-    Ok(Built {
-        module: bytes,
-        manifest: json,
-        entry_points: manifest.entry_points.len(),
-    })
+    files.insert(MANIFEST.into(), json);
+    Ok(files)
 }
 
 fn write(root: &Path, compiler: &Compiler) -> Result<()> {
     let start = Instant::now();
-    let built = build(root, compiler)?;
-    replace(&root.join(MODULE), &built.module)?;
-    replace(&root.join(MANIFEST), &built.manifest)?;
-    let seconds = start.elapsed().as_secs_f32();
-    println!(
-        "shaders: wrote {MODULE} and {MANIFEST} ({} entry points) in {seconds:.1} s",
-        built.entry_points
-    );
+    let files = build(root, compiler)?;
+    let folder = root.join(FOLDER);
+    for (name, bytes) in &files {
+        replace(&folder.join(name), bytes)?;
+    }
+    for stale in committed(root)?.keys().filter(|name| !files.contains_key(*name)) {
+        fs::remove_file(folder.join(stale)).with_context(|| format!("cannot remove {FOLDER}/{stale}"))?;
+    }
+    println!("shaders: wrote {} files to {FOLDER} in {:.1} s", files.len(), start.elapsed().as_secs_f32());
     Ok(())
 }
 
 fn compare(root: &Path, compiler: &Compiler) -> Result<()> {
-    let (module, manifest) = (read(root, MODULE)?, read(root, MANIFEST)?);
+    let committed = committed(root)?;
     let built = build(root, compiler)?;
-    // A checkout may have turned the manifest's line ends; the module is binary.
-    let manifest = sources::normalised(&manifest);
-    match (module == built.module, manifest == built.manifest) {
-        (true, true) => {
-            println!(
-                "shaders: rebuilt with {} and compared: identical",
-                compiler.describe()
-            );
-            Ok(())
+    let names: BTreeSet<&String> = committed.keys().chain(built.keys()).collect();
+    for name in names {
+        match (committed.get(name), built.get(name)) {
+            (Some(old), Some(new)) if old == new => {}
+            (Some(_), Some(_)) => bail!("{FOLDER}/{name} is not what the sources give: {REMEDY}"),
+            (Some(_), None) => bail!("{FOLDER}/{name} belongs to no entry point: {REMEDY}"),
+            (None, _) => bail!("{FOLDER}/{name} is missing: {REMEDY}"),
         }
-        (true, false) => {
-            bail!("{MANIFEST} is not what the sources give, though the SPIR-V is: {REMEDY}")
-        }
-        (false, _) => bail!(
-            "{MODULE} ({} bytes) is not what the sources give ({} bytes): {REMEDY}",
-            module.len(),
-            built.module.len()
-        ),
     }
+    println!("shaders: rebuilt with {} and compared {} files: identical", compiler.describe(), built.len());
+    Ok(())
 }
 
 fn compare_hashes(root: &Path) -> Result<()> {
-    let module = read(root, MODULE)?;
-    let manifest: Manifest = serde_json::from_slice(&read(root, MANIFEST)?)
-        .with_context(|| format!("cannot parse {MANIFEST}"))?;
-    if manifest.spirv_sha256 != sources::sha256(&module) {
-        bail!("{MODULE} is not the file that {MANIFEST} describes: {REMEDY}");
+    let committed = committed(root)?;
+    let manifest = committed.get(MANIFEST).with_context(|| format!("{FOLDER}/{MANIFEST} is missing: {REMEDY}"))?;
+    let manifest: Manifest =
+        serde_json::from_slice(manifest).with_context(|| format!("cannot parse {FOLDER}/{MANIFEST}"))?;
+    for entry in &manifest.entry_points {
+        let module = committed.get(&format!("{}.spv", entry.name));
+        if module.is_none_or(|module| sources::sha256(module) != entry.spirv_sha256) {
+            bail!("{FOLDER}/{}.spv is not the file that {MANIFEST} describes: {REMEDY}", entry.name);
+        }
+    }
+    if committed.len() != manifest.entry_points.len() + 1 {
+        bail!("{FOLDER} holds files that {MANIFEST} does not describe: {REMEDY}");
     }
     if manifest.sources_sha256 != sources::hash(root)? {
-        bail!("the shaders' sources changed since {MODULE} was built: {REMEDY}");
+        bail!("the shaders' sources changed since {FOLDER} was built: {REMEDY}");
     }
     println!(
-        "shaders: no rust-gpu compiler here; checked by source hash only: {} entry points, {} bytes, current",
-        manifest.entry_points.len(),
-        module.len()
+        "shaders: no rust-gpu compiler here; checked by source hash only: {} entry points, current",
+        manifest.entry_points.len()
     );
     Ok(())
 }
 
-fn read(root: &Path, path: &str) -> Result<Vec<u8>> {
-    fs::read(root.join(path)).with_context(|| format!("cannot read {path}: {REMEDY}"))
+/// The committed files. A checkout may have turned the manifest's line ends; modules are binary.
+fn committed(root: &Path) -> Result<Files> {
+    let mut files = Files::new();
+    let folder = root.join(FOLDER);
+    for entry in fs::read_dir(&folder).with_context(|| format!("cannot read {FOLDER}: {REMEDY}"))? {
+        let path = entry?.path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()) else { continue };
+        let bytes = fs::read(&path).with_context(|| format!("cannot read {FOLDER}/{name}"))?;
+        files.insert(name.to_owned(), if name == MANIFEST { sources::normalised(&bytes) } else { bytes });
+    }
+    Ok(files)
 }
 
 /// Writes beside `path`, then renames: a reader never sees half a file.

@@ -142,13 +142,11 @@ fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport) -> Result<Gpu> 
         *lost_by_callback.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{reason:?}: {message}"));
     });
     let timestamp_period = (!timestamps.is_empty()).then(|| queue.get_timestamp_period());
-    let shaders = pipelines::load(&device);
     Ok(Gpu {
         name: format!("{} ({}, {})", report.name, report.backend, report.driver),
         device,
         queue,
         limits,
-        shaders,
         pipelines: Mutex::default(),
         lost,
         timestamp_period,

@@ -23,7 +23,6 @@ pub(crate) struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     limits: wgpu::Limits,
-    shaders: wgpu::ShaderModule,
     pipelines: Mutex<HashMap<Kernel, Arc<Pipeline>>>,
     /// Why the device was lost, once it is.
     lost: Arc<Mutex<Option<String>>>,

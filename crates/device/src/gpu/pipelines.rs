@@ -8,7 +8,6 @@ use serde::Deserialize;
 use std::borrow::Cow;
 use std::sync::{Arc, PoisonError};
 
-const SPIRV: &[u8] = include_bytes!("../../shaders/caustic.spv");
 const MANIFEST: &str = include_str!("../../shaders/manifest.json");
 
 /// What `cargo xtask shaders` wrote down about the SPIR-V.
@@ -64,25 +63,21 @@ pub(super) fn experimental_features() -> wgpu::ExperimentalFeatures {
     unsafe { wgpu::ExperimentalFeatures::enabled() }
 }
 
-/// Hands the SPIR-V to the driver.
-pub(super) fn load(device: &wgpu::Device) -> wgpu::ShaderModule {
+/// Hands a kernel's SPIR-V to the driver.
+fn load(device: &wgpu::Device, kernel: Kernel) -> wgpu::ShaderModule {
     let words: Vec<u32> =
-        SPIRV.chunks_exact(4).map(|bytes| u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])).collect();
-    let entry_points: Vec<_> = manifest()
-        .entry_points
-        .into_iter()
-        .map(|entry| wgpu::PassthroughShaderEntryPoint {
-            name: Cow::Owned(entry.name),
-            workgroup_size: (entry.local_size[0], entry.local_size[1], entry.local_size[2]),
-        })
-        .collect();
+        kernel.spirv().chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let entry_point = wgpu::PassthroughShaderEntryPoint {
+        name: Cow::Borrowed(kernel.entry_point()),
+        workgroup_size: (kernel.lanes(), 1, 1),
+    };
     let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
-        label: Some("caustic"),
-        entry_points: entry_points.into(),
+        label: Some(kernel.entry_point()),
+        entry_points: Cow::Borrowed(&[entry_point]),
         spirv: Some(Cow::Owned(words)),
         ..Default::default()
     };
-    // SAFETY: the module was validated when it was built, its bindings and workgroup sizes are those of `stages!` (a test
+    // SAFETY: the module was validated when it was built, its bindings and workgroup size are those of `stages!` (a test
     // compares them with the manifest), and rust-gpu checks the bounds of every buffer access.
     unsafe { device.create_shader_module_passthrough(descriptor) }
 }
@@ -133,7 +128,7 @@ impl Gpu {
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
             layout: Some(&pipeline_layout),
-            module: &self.shaders,
+            module: &load(&self.device, kernel),
             entry_point: label,
             // Kernels write shared memory before they read it; passthrough would not zero it anyway.
             compilation_options: wgpu::PipelineCompilationOptions {

@@ -107,11 +107,13 @@ mod tests {
 
     #[test]
     fn morton_interleaves_ten_bits() {
-        for cell in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1023; 3], [0x155, 0x2aa, 0x3c3], [1024, 1025, 4096]] {
+        for cell in
+            [[0u32, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1023; 3], [0x155, 0x2aa, 0x3c3], [1024, 1025, 4096]]
+        {
             let mut expected = 0;
             for bit in 0..10 {
-                for axis in 0..3 {
-                    expected |= ((cell[axis] >> bit) & 1) << (3 * bit + axis);
+                for (axis, &coordinate) in (0..).zip(&cell) {
+                    expected |= ((coordinate >> bit) & 1) << (3 * bit + axis);
                 }
             }
             assert_eq!(morton(cell), expected, "{cell:?}");
