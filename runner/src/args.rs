@@ -72,7 +72,7 @@ pub struct RenderArguments {
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Size of the image in pixels.
-    #[arg(long, value_name = "WxH", value_parser = size)]
+    #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
     /// Photons emitted for the global map: more make indirect light less blotchy, for time and 32 bytes each stored.
     #[arg(long, value_name = "N", value_parser = whole(1, MAX_PHOTONS), allow_negative_numbers = true)]
@@ -84,7 +84,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "K", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]
     pub k: Option<u32>,
     /// Largest radius of an estimate in metres, and the size of a cell; reached only where photons are sparse.
-    #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", value_parser = radius, allow_hyphen_values = true)]
     pub radius: Option<f32>,
     /// Hash function of the photon maps: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
@@ -99,7 +99,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "D", default_value = "auto")]
     pub device: DeviceChoice,
     /// Seed of the random numbers: the same seed gives the same image on every device.
-    #[arg(long, value_name = "S", default_value_t = 0)]
+    #[arg(long, value_name = "S", default_value = "0", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     pub seed: u32,
     /// Which part of the light to show.
     #[arg(long, value_enum, default_value_t)]
@@ -124,7 +124,7 @@ pub struct MapArguments {
     #[arg(long, value_name = "K", default_value = "50", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]
     pub k: u32,
     /// Largest distance of a neighbour; if not given, one within which 2·K photons are expected.
-    #[arg(long, value_name = "R", value_parser = radius, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", value_parser = radius, allow_hyphen_values = true)]
     pub radius: Option<f32>,
     /// Hash function.
     #[arg(long, value_enum, default_value_t)]
@@ -136,7 +136,7 @@ pub struct MapArguments {
     #[arg(long, value_name = "D", default_value = "auto")]
     pub device: DeviceChoice,
     /// Times to repeat; the median counts.
-    #[arg(long, value_name = "N", default_value = "5", value_parser = whole(1, 1000))]
+    #[arg(long, value_name = "N", default_value = "5", value_parser = whole(1, 1000), allow_negative_numbers = true)]
     pub repeat: u32,
     /// Prints JSON instead of a table.
     #[arg(long)]

@@ -15,7 +15,11 @@ pub fn devices(json: bool) -> Result<(), Failure> {
     }
     println!("cpu    CPU, {threads} threads\n       exact: yes");
     for adapter in &adapters {
-        let exact = if adapter.exact { "yes".to_string() } else { format!("no, {}", adapter.reason) };
+        let exact = match (adapter.exact, adapter.reason.as_str()) {
+            (true, "") => "yes".to_string(),
+            (true, note) => format!("yes, but {note}"),
+            (false, reason) => format!("no, {reason}"),
+        };
         println!(
             "gpu:{:<2} {} ({}, {}, {})\n       exact: {exact}; subgroups of {} to {} lanes; workgroups of up to {} lanes with {} KiB of shared memory; buffers of up to {} MiB",
             adapter.index,

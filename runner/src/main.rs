@@ -48,6 +48,10 @@ fn main() -> ExitCode {
             let _ = error.print();
             return ExitCode::SUCCESS;
         }
+        // `caustic scene`: all that clap would print is the help.
+        Err(error) if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+            return fail(&Failure::input("a command is missing, such as `caustic scene list` (see `caustic --help`)"));
+        }
         Err(error) => return fail(&Failure::input(first_sentence(&error))),
     };
     let result = match arguments.command.unwrap_or_default() {
@@ -69,6 +73,6 @@ fn first_sentence(error: &clap::Error) -> String {
     let text = error.render().to_string();
     let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
     let kept: Vec<_> = lines.filter(|line| !line.is_empty() && !line.starts_with("For more information")).collect();
-    let sentence = kept.join("; ");
+    let sentence = kept.join("; ").replace(":; ", ": ").replace("; [", " [");
     format!("{} (see `caustic --help`)", sentence.trim_start_matches("error: "))
 }

@@ -16,9 +16,8 @@ const CHECKED: usize = 64;
 pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let source = Source::parse(&arguments.photons)?;
     let positions = source.photons()?;
-    let queries: Vec<Query> = (0..arguments.queries)
-        .map(|i| Query { position: source.query(i, &positions), active: 1 })
-        .collect();
+    let queries: Vec<Query> =
+        (0..arguments.queries).map(|i| Query { position: source.query(i, &positions), active: 1 }).collect();
     let photons: Vec<Photon> =
         positions.iter().map(|&position| Photon { position, power: [1.0; 3], ..Photon::default() }).collect();
     let radius = arguments.radius.unwrap_or_else(|| source.radius(photons.len(), arguments.k));
@@ -45,7 +44,12 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     if arguments.json {
         println!("{report:#}");
     } else {
-        println!("build {:.3} ms, {} photons, radius {radius} m, {} bytes", timed.build_ms, photons.len(), timed.map_bytes);
+        println!(
+            "build {:.3} ms, {} photons, radius {radius} m, {} bytes",
+            timed.build_ms,
+            photons.len(),
+            timed.map_bytes
+        );
         println!("query {:.3} ms, {} queries, k = {}", timed.query_ms, queries.len(), arguments.k);
         println!("times are medians of {}; positions and results stay on the device", arguments.repeat);
         println!("{differ} of {} checked queries differ from brute force", CHECKED.min(queries.len()));
@@ -203,8 +207,9 @@ impl Source {
 /// Reads `x y z` lines. Lines that begin with # are comments.
 fn read(path: &std::path::Path) -> Result<Vec<[f32; 3]>, Failure> {
     let file = path.display();
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Failure::input(format!("{file}: {error}; give a text file with `x y z` a line, or uniform:N")))?;
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        Failure::input(format!("{file}: {error}; give a text file with `x y z` a line, or uniform:N"))
+    })?;
     let mut positions = Vec::new();
     for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')) {
         let numbers: Vec<f32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();

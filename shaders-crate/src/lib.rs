@@ -1,5 +1,8 @@
 //! SPIR-V entry points, one a stage, made from the list in `caustic_kernels::stages!`: an entry finds its index, hands its
 //! buffers to the kernel and has no logic of its own.
+//!
+//! They exist for a GPU only: on the CPU, where `cargo test --workspace` builds this crate too, it is empty.
+#![cfg(target_arch = "spirv")]
 #![no_std]
 #![allow(missing_docs)] // the entry points are documented where their bodies are
 
@@ -15,10 +18,18 @@ use spirv_std::spirv;
 
 /// The type with which a shader sees a buffer.
 macro_rules! buffer {
-    (One $t:ty) => { &$t };
-    (In $t:ty) => { &[$t] };
-    (Out $t:ty) => { &mut [$t] };
-    (Sum $t:ty) => { &mut [$t] };
+    (One $t:ty) => {
+        &$t
+    };
+    (In $t:ty) => {
+        &[$t]
+    };
+    (Out $t:ty) => {
+        &mut [$t]
+    };
+    (Sum $t:ty) => {
+        &mut [$t]
+    };
 }
 
 macro_rules! entry_points {

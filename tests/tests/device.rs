@@ -282,3 +282,10 @@ fn auto_takes_no_software_gpu() {
     let (device, line) = Device::open(&DeviceChoice::Cpu).unwrap();
     assert!(!device.is_gpu() && line.contains("asked for"), "{line}");
 }
+
+#[test]
+fn a_buffer_whose_size_overflows_is_refused() {
+    let error = Device::cpu().buffer::<[u32; 8]>("photons", 1 << 60).err();
+    let text = error.map(|error| error.to_string()).unwrap_or_default();
+    assert!(text.contains("`photons`") && text.contains("--photons"), "{text}");
+}

@@ -350,7 +350,7 @@ fn boundary_bias(at: [f64; 3], radius: f64) -> f64 {
 #[test]
 fn a_closed_furnace_is_evenly_bright() {
     const SIDE: u32 = 48;
-    const SEEDS: u32 = 12;
+    const SEEDS: u32 = 10;
     let scene = load("furnace");
     let camera = scene.camera(SIDE, SIDE);
     let pixels: Vec<[f64; 3]> = (0..SIDE * SIDE)
@@ -363,7 +363,7 @@ fn a_closed_furnace_is_evenly_bright() {
         [distances[1], distances[2]]
     };
     // Expected radius of an estimate: each photon is stored 0.5 + 0.25 + … = 1 times on 24 m².
-    let settings = Settings { size: [SIDE; 2], spp: 4, ..Settings::of(&scene) };
+    let settings = Settings { size: [SIDE; 2], spp: 16, ..Settings::of(&scene) };
     let radius = (f64::from(settings.k) * 24.0 / f64::from(settings.photons) / PI).sqrt();
     let inner = |i: &usize| from_edge(&pixels[*i])[0] > 3.0 * radius;
     let corner = |i: &usize| from_edge(&pixels[*i])[1] < radius;

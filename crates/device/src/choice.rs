@@ -24,7 +24,9 @@ impl FromStr for DeviceChoice {
             "gpu" => Ok(Self::Gpu(None)),
             _ => match text.strip_prefix("gpu:") {
                 Some(wanted) if !wanted.is_empty() => Ok(Self::Gpu(Some(wanted.to_string()))),
-                _ => Err("it must be auto, cpu, gpu or gpu:NAME_OR_INDEX (`caustic info` lists the devices)".to_string()),
+                _ => {
+                    Err("it must be auto, cpu, gpu or gpu:NAME_OR_INDEX (`caustic info` lists the devices)".to_string())
+                }
             },
         }
     }

@@ -13,7 +13,9 @@ pub enum Error {
         available: String,
     },
     /// The device cannot run the exact kernels.
-    #[error("{device} cannot run the exact kernels ({reason}); use --device cpu or a GPU that `caustic info` calls exact")]
+    #[error(
+        "{device} cannot run the exact kernels ({reason}); use --device cpu or a GPU that `caustic info` calls exact"
+    )]
     NotExact {
         /// The device.
         device: String,

@@ -88,18 +88,34 @@ macro_rules! kernels {
 
 /// The type with which the CPU sees a buffer.
 macro_rules! bind {
-    (One $t:ty, $bound:expr) => { &$bound.read::<$t>()[0] };
-    (In $t:ty, $bound:expr) => { $bound.read::<$t>() };
-    (Out $t:ty, $bound:expr) => { $bound.write::<$t>() };
-    (Sum $t:ty, $bound:expr) => { $bound.write::<$t>() };
+    (One $t:ty, $bound:expr) => {
+        &$bound.read::<$t>()[0]
+    };
+    (In $t:ty, $bound:expr) => {
+        $bound.read::<$t>()
+    };
+    (Out $t:ty, $bound:expr) => {
+        $bound.write::<$t>()
+    };
+    (Sum $t:ty, $bound:expr) => {
+        $bound.write::<$t>()
+    };
 }
 
 /// Hands a buffer to a body: each call has its own handle of what is written.
 macro_rules! pass {
-    (One $arg:ident) => { $arg };
-    (In $arg:ident) => { $arg };
-    (Out $arg:ident) => { &mut $arg.clone() };
-    (Sum $arg:ident) => { &mut $arg.clone() };
+    (One $arg:ident) => {
+        $arg
+    };
+    (In $arg:ident) => {
+        $arg
+    };
+    (Out $arg:ident) => {
+        &mut $arg.clone()
+    };
+    (Sum $arg:ident) => {
+        &mut $arg.clone()
+    };
 }
 
 macro_rules! run {

@@ -65,7 +65,12 @@ impl Device {
                 Some(gpu) => (gpu, "a hardware GPU is present".to_string()),
                 None => return Ok((Self::cpu(), format!("device: {} (no hardware GPU found)", cpu::name()))),
             },
-            DeviceChoice::Gpu(wanted) => (gpu::open(wanted.as_deref())?, "asked for".to_string()),
+            DeviceChoice::Gpu(wanted) => {
+                let gpu = gpu::open(wanted.as_deref())?;
+                let note = gpu.note();
+                let why = if note.is_empty() { "asked for".to_string() } else { format!("asked for; {note}") };
+                (gpu, why)
+            }
         };
         let line = format!("device: {} ({why})", gpu.name());
         Ok((Self::new(Backend::Gpu(Box::new(gpu))), line))
@@ -97,7 +102,7 @@ impl Device {
     pub fn buffer<T: Pod>(&self, name: &str, count: u64) -> Result<Buffer> {
         const { assert!(align_of::<T>() <= 4 && size_of::<T>().is_multiple_of(4)) };
         // A buffer of nothing cannot be bound, so it holds one record that nobody reads.
-        let bytes = count.max(1) * size_of::<T>() as u64;
+        let bytes = count.max(1).saturating_mul(size_of::<T>() as u64);
         let storage = match &self.backend {
             Backend::Cpu(_) => cpu::allocate(name, bytes)?,
             Backend::Gpu(gpu) => Storage::Gpu(gpu.allocate(name, bytes)?),

@@ -5,7 +5,9 @@
 #[non_exhaustive]
 pub enum MapError {
     /// The query radius is not a usable length.
-    #[error("the radius is {radius} but must be a number from 1e-18 to 1e18 m; scale the scene if it is that small or large")]
+    #[error(
+        "the radius is {radius} but must be a number from 1e-18 to 1e18 m; scale the scene if it is that small or large"
+    )]
     Radius {
         /// What was given, m.
         radius: f32,
@@ -23,6 +25,16 @@ pub enum MapError {
     NotFinite {
         /// Photons or queries.
         what: &'static str,
+        /// How many.
+        count: usize,
+        /// Index of the first.
+        first: usize,
+    },
+    /// Powers that photons cannot have.
+    #[error(
+        "{count} of the photons have a power that is negative, NaN or infinite, the first at index {first}; remove them"
+    )]
+    Power {
         /// How many.
         count: usize,
         /// Index of the first.

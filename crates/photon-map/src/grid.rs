@@ -13,10 +13,7 @@ pub(crate) const MAX_PHOTONS: u32 = 1 << 30;
 ///
 /// # Errors
 /// [`MapError::NotFinite`], with the number of bad positions and the index of the first.
-pub fn bounds(
-    what: &'static str,
-    positions: impl Iterator<Item = [f32; 3]>,
-) -> Result<([f32; 3], [f32; 3]), MapError> {
+pub fn bounds(what: &'static str, positions: impl Iterator<Item = [f32; 3]>) -> Result<([f32; 3], [f32; 3]), MapError> {
     let mut low = [f32::MAX; 3];
     let mut high = [f32::MIN; 3];
     let mut bad = (0, 0);
@@ -149,7 +146,10 @@ mod tests {
         let MapError::TooManyCells { least, .. } = error else { panic!("{error}") };
         assert!(plan_grid([0.0; 3], [1e6; 3], 1, &options(least as f32 * 1.000_001, Hash::Teschner)).is_ok());
         for radius in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-30] {
-            assert!(matches!(plan_grid([0.0; 3], [1.0; 3], 1, &options(radius, Hash::Linear)), Err(MapError::Radius { .. })));
+            assert!(matches!(
+                plan_grid([0.0; 3], [1.0; 3], 1, &options(radius, Hash::Linear)),
+                Err(MapError::Radius { .. })
+            ));
         }
     }
 

@@ -47,6 +47,10 @@ impl PhotonMap {
     /// All of [`MapError`] but those of queries.
     pub fn build(device: &Device, photons: &[Photon], options: &MapOptions) -> Result<Self, MapError> {
         let (low, high) = bounds("photons", photons.iter().map(|photon| photon.position))?;
+        let bad = |photon: &&Photon| !photon.power.iter().all(|power| power.is_finite() && *power >= 0.0);
+        if let Some(first) = photons.iter().position(|photon| bad(&photon)) {
+            return Err(MapError::Power { count: photons.iter().filter(bad).count(), first });
+        }
         let grid = plan_grid(low, high, photons.len() as u64, options)?;
         let unsorted = device.upload("photons", photons)?;
         let mut plan = Plan::new();
@@ -159,8 +163,24 @@ impl PhotonMap {
 
 fn query_count(queries: &[Query]) -> Result<u32, MapError> {
     bounds("queries", queries.iter().map(|query| query.position))?;
-    u32::try_from(queries.len())
-        .ok()
-        .filter(|&count| count <= MAX_PHOTONS)
-        .ok_or(MapError::TooMany { what: "queries", count: queries.len() as u64, max: MAX_PHOTONS })
+    u32::try_from(queries.len()).ok().filter(|&count| count <= MAX_PHOTONS).ok_or(MapError::TooMany {
+        what: "queries",
+        count: queries.len() as u64,
+        max: MAX_PHOTONS,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Hash;
+
+    #[test]
+    fn powers_that_photons_cannot_have_are_counted_and_the_first_is_named() {
+        let with = |power: f32| Photon { power: [1.0, power, 0.0], ..Photon::default() };
+        let photons = [with(0.0), with(f32::NAN), with(2.0), with(-1.0), with(f32::INFINITY)];
+        let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None };
+        let error = PhotonMap::build(&Device::cpu(), &photons, &options).err();
+        assert!(matches!(error, Some(MapError::Power { count: 3, first: 1 })), "{error:?}");
+    }
 }

@@ -20,10 +20,7 @@ impl RadixSort {
         let blocks = count.div_ceil(SORT_BLOCK);
         let elements = u64::from(count);
         let mut from = (keys.clone(), device.buffer::<u32>("sort: order", elements)?);
-        let mut to = (
-            device.buffer::<u32>("sort: keys", elements)?,
-            device.buffer::<u32>("sort: order", elements)?,
-        );
+        let mut to = (device.buffer::<u32>("sort: keys", elements)?, device.buffer::<u32>("sort: order", elements)?);
         let cells = u64::from(DIGITS * blocks);
         let histogram = device.buffer::<u32>("sort: histogram", cells)?;
         let offsets = device.buffer::<u32>("sort: offsets", cells)?;
@@ -31,16 +28,13 @@ impl RadixSort {
         let scan = device.upload("sort: scan", &[ScanParams { count: DIGITS * blocks, row_length: blocks }])?;
         // One pass at least: it is what fills the order.
         for pass in 0..bits.div_ceil(DIGIT_BITS).max(1) {
-            let record = RadixPass { count, blocks, shift: pass * DIGIT_BITS, values_are_indices: u32::from(pass == 0) };
+            let record =
+                RadixPass { count, blocks, shift: pass * DIGIT_BITS, values_are_indices: u32::from(pass == 0) };
             let pass = device.upload("sort: pass", &[record])?;
             plan.groups(Kernel::RadixCount, blocks, &[&pass, &from.0, &histogram]);
             let rows = if blocks == 0 { 0 } else { DIGITS };
             plan.groups(Kernel::ScanRows, rows, &[&scan, &histogram, &offsets, &totals]);
-            plan.groups(
-                Kernel::RadixScatter,
-                blocks,
-                &[&pass, &from.0, &from.1, &offsets, &totals, &to.0, &to.1],
-            );
+            plan.groups(Kernel::RadixScatter, blocks, &[&pass, &from.0, &from.1, &offsets, &totals, &to.0, &to.1]);
             std::mem::swap(&mut from, &mut to);
         }
         Ok(Self { keys: from.0, order: from.1 })

@@ -117,7 +117,8 @@ pub(crate) fn photon_map(
         return Err(RenderError::TooManyPhotons { map, stored, max: MAX_STORED, flag, emitted: fits });
     }
     if words[STATUS_PHOTON_PATHS_LANDED as usize] == 0 && kind.stored_from == 1 {
-        let remedy = "none of them met a diffuse surface; see that the lights face the scene, or emit more with --photons";
+        let remedy =
+            "none of them met a diffuse surface; see that the lights face the scene, or emit more with --photons";
         return Err(RenderError::NoPhotons { map: kind.map, emitted, remedy });
     }
     if stored == 0 {

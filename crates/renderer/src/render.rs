@@ -61,7 +61,9 @@ pub fn render(
     }
     let not_finite = status[STATUS_NOT_FINITE as usize];
     if not_finite > 0 {
-        notes.push(format!("{not_finite} camera samples were not finite and count as black: a radius or power is extreme"));
+        notes.push(format!(
+            "{not_finite} camera samples were not finite and count as black: a radius or power is extreme"
+        ));
     }
     let report = RenderReport {
         device: device.name(),
@@ -213,11 +215,7 @@ impl Camera<'_> {
             &[tile, &camera, info, primitives, materials, lights, &queries, &vertices, status],
         );
         if parts & PART_DIRECT != 0 {
-            plan.each(
-                Kernel::ShadeDirect,
-                samples,
-                &[tile, info, primitives, lights, &queries, &vertices, &direct],
-            );
+            plan.each(Kernel::ShadeDirect, samples, &[tile, info, primitives, lights, &queries, &vertices, &direct]);
         }
         let mut estimates = Vec::new();
         for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {

@@ -11,41 +11,23 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Brings `module` into canonical order.
 pub fn order(module: &mut Module) -> Result<()> {
-    module
-        .entry_points
-        .sort_by_key(|inst| name(inst).to_owned());
+    module.entry_points.sort_by_key(|inst| name(inst).to_owned());
     let mut walk = Walk::new(module);
     walk.run(&module.entry_points)?;
-    let Walk {
-        globals,
-        functions,
-        ids,
-        ..
-    } = walk;
+    let Walk { globals, functions, ids, .. } = walk;
 
     let take = |list: &mut Vec<Instruction>| {
-        let order: BTreeMap<u32, usize> = globals
-            .iter()
-            .enumerate()
-            .map(|(at, &id)| (id, at))
-            .collect();
+        let order: BTreeMap<u32, usize> = globals.iter().enumerate().map(|(at, &id)| (id, at)).collect();
         let place = |inst: &Instruction| inst.result_id.and_then(|id| order.get(&id));
         list.retain(|inst| place(inst).is_some());
         list.sort_by_key(|inst| place(inst).copied());
     };
     take(&mut module.ext_inst_imports);
     take(&mut module.types_global_values);
-    let mut by_id: BTreeMap<u32, Function> = module
-        .functions
-        .drain(..)
-        .filter_map(|function| Some((function.def_id()?, function)))
-        .collect();
+    let mut by_id: BTreeMap<u32, Function> =
+        module.functions.drain(..).filter_map(|function| Some((function.def_id()?, function))).collect();
     module.functions = functions.iter().filter_map(|id| by_id.remove(id)).collect();
-    let known = |inst: &Instruction| {
-        inst.operands[0]
-            .id_ref_any()
-            .is_some_and(|id| ids.contains_key(&id))
-    };
+    let known = |inst: &Instruction| inst.operands[0].id_ref_any().is_some_and(|id| ids.contains_key(&id));
     module.execution_modes.retain(known);
     module.annotations.retain(known);
 
@@ -100,19 +82,10 @@ struct Walk<'a> {
 
 impl<'a> Walk<'a> {
     fn new(module: &'a Module) -> Self {
-        let globals = module
-            .ext_inst_imports
-            .iter()
-            .chain(&module.types_global_values);
+        let globals = module.ext_inst_imports.iter().chain(&module.types_global_values);
         Self {
-            definitions: globals
-                .filter_map(|inst| Some((inst.result_id?, inst)))
-                .collect(),
-            bodies: module
-                .functions
-                .iter()
-                .filter_map(|function| Some((function.def_id()?, function)))
-                .collect(),
+            definitions: globals.filter_map(|inst| Some((inst.result_id?, inst))).collect(),
+            bodies: module.functions.iter().filter_map(|function| Some((function.def_id()?, function))).collect(),
             globals: Vec::new(),
             functions: Vec::new(),
             seen: BTreeSet::new(),
@@ -158,19 +131,14 @@ impl<'a> Walk<'a> {
     }
 
     fn visit_operands(&mut self, operands: &[Operand]) -> Result<()> {
-        operands
-            .iter()
-            .filter_map(Operand::id_ref_any)
-            .try_for_each(|id| self.visit(id))
+        operands.iter().filter_map(Operand::id_ref_any).try_for_each(|id| self.visit(id))
     }
 
     /// Visits what `id` refers to, then lists `id`; ids that are local to a function are left alone.
     fn visit(&mut self, id: u32) -> Result<()> {
         if let Some(&inst) = self.definitions.get(&id) {
             if inst.class.opcode == Op::TypeForwardPointer {
-                bail!(
-                    "forward pointers are not expected of rust-gpu: canonical order would have to learn them"
-                );
+                bail!("forward pointers are not expected of rust-gpu: canonical order would have to learn them");
             }
             if self.seen.insert(id) {
                 self.visit_inst(inst)?;
@@ -194,21 +162,11 @@ mod tests {
         let mut module = kernel(|b, float, x| {
             b.f_add(float, None, x, x).unwrap();
         });
-        let unused = Instruction::new(
-            Op::TypeFloat,
-            None,
-            Some(900),
-            vec![Operand::LiteralBit32(64)],
-        );
+        let unused = Instruction::new(Op::TypeFloat, None, Some(900), vec![Operand::LiteralBit32(64)]);
         module.types_global_values.push(unused);
         order(&mut module).unwrap();
         let once = module.assemble();
-        assert!(
-            module
-                .types_global_values
-                .iter()
-                .all(|inst| inst.operands != [Operand::LiteralBit32(64)])
-        );
+        assert!(module.types_global_values.iter().all(|inst| inst.operands != [Operand::LiteralBit32(64)]));
         order(&mut module).unwrap();
         assert_eq!(module.assemble(), once);
     }

@@ -44,27 +44,14 @@ const EXACT: [Glsl; 18] = [
 /// Checks the finished module; returns warnings.
 pub fn structure(module: &Module) -> Result<Vec<String>> {
     for inst in &module.capabilities {
-        if !CAPABILITIES
-            .iter()
-            .any(|&allowed| inst.operands[0] == Operand::Capability(allowed))
-        {
-            bail!(
-                "the shaders need the capability {}, which not every device has",
-                inst.operands[0]
-            );
+        if !CAPABILITIES.iter().any(|&allowed| inst.operands[0] == Operand::Capability(allowed)) {
+            bail!("the shaders need the capability {}, which not every device has", inst.operands[0]);
         }
     }
-    let glsl: BTreeSet<u32> = module
-        .ext_inst_imports
-        .iter()
-        .filter_map(|inst| inst.result_id)
-        .collect();
+    let glsl: BTreeSet<u32> = module.ext_inst_imports.iter().filter_map(|inst| inst.result_id).collect();
     for inst in &module.ext_inst_imports {
         if inst.operands[0] != Operand::LiteralString("GLSL.std.450".into()) {
-            bail!(
-                "the shaders use the unknown instruction set {}",
-                inst.operands[0]
-            );
+            bail!("the shaders use the unknown instruction set {}", inst.operands[0]);
         }
     }
     pointers_stand_alone(module)?;
@@ -72,24 +59,16 @@ pub fn structure(module: &Module) -> Result<Vec<String>> {
         for inst in function.all_inst_iter() {
             if let Some(refused) = refused(inst, &glsl) {
                 let users = users(module, function.def_id().unwrap_or_default()).join(", ");
-                bail!(
-                    "{refused} does not give the same bits on all devices; it is used by {users}"
-                );
+                bail!("{refused} does not give the same bits on all devices; it is used by {users}");
             }
         }
     }
-    Ok(module
-        .types_global_values
-        .iter()
-        .filter_map(|inst| odd_constant(module, inst))
-        .collect())
+    Ok(module.types_global_values.iter().filter_map(|inst| odd_constant(module, inst)).collect())
 }
 
 /// Refuses pointers in structs and in phis: see [`forward`](crate::forward) for the driver that crashes on them.
 fn pointers_stand_alone(module: &Module) -> Result<()> {
-    let of = |op| {
-        module.types_global_values.iter().filter(move |inst: &&Instruction| inst.class.opcode == op)
-    };
+    let of = |op| module.types_global_values.iter().filter(move |inst: &&Instruction| inst.class.opcode == op);
     let pointers: BTreeSet<u32> = of(Op::TypePointer).filter_map(|inst| inst.result_id).collect();
     let holds_pointer =
         |inst: &Instruction| inst.operands.iter().filter_map(Operand::id_ref_any).any(|id| pointers.contains(&id));
@@ -124,11 +103,7 @@ fn refused(inst: &Instruction, glsl: &BTreeSet<u32>) -> Option<String> {
         | Op::GroupNonUniformFMul
         | Op::GroupNonUniformFMin
         | Op::GroupNonUniformFMax) => Some(format!("Op{op:?}")),
-        Op::ExtInst
-            if inst.operands[0]
-                .id_ref_any()
-                .is_some_and(|set| glsl.contains(&set)) =>
-        {
+        Op::ExtInst if inst.operands[0].id_ref_any().is_some_and(|set| glsl.contains(&set)) => {
             let number = inst.operands[1].unwrap_literal_ext_inst_integer();
             match Glsl::from_u32(number) {
                 Some(op) if EXACT.contains(&op) => None,
@@ -143,25 +118,14 @@ fn refused(inst: &Instruction, glsl: &BTreeSet<u32>) -> Option<String> {
 /// Names of the entry points that reach the function `wanted`.
 fn users(module: &Module, wanted: u32) -> Vec<String> {
     let reaches = |entry: &&Instruction| {
-        entry.operands[1]
-            .id_ref_any()
-            .is_some_and(|main| reachable(module, main).contains(&wanted))
+        entry.operands[1].id_ref_any().is_some_and(|main| reachable(module, main).contains(&wanted))
     };
-    module
-        .entry_points
-        .iter()
-        .filter(reaches)
-        .map(|entry| canonical::name(entry).to_owned())
-        .collect()
+    module.entry_points.iter().filter(reaches).map(|entry| canonical::name(entry).to_owned()).collect()
 }
 
 /// The functions that `main` calls, itself included.
 pub fn reachable(module: &Module, main: u32) -> BTreeSet<u32> {
-    let bodies: BTreeMap<_, _> = module
-        .functions
-        .iter()
-        .filter_map(|f| Some((f.def_id()?, f)))
-        .collect();
+    let bodies: BTreeMap<_, _> = module.functions.iter().filter_map(|f| Some((f.def_id()?, f))).collect();
     let (mut found, mut queue) = (BTreeSet::new(), vec![main]);
     while let Some(id) = queue.pop() {
         if found.insert(id) {
@@ -175,19 +139,13 @@ pub fn reachable(module: &Module, main: u32) -> BTreeSet<u32> {
 
 /// A warning about a float constant that is infinite or no number: naga's SPIR-V reader refuses those.
 fn odd_constant(module: &Module, inst: &Instruction) -> Option<String> {
-    let (Op::Constant, Some(Operand::LiteralBit32(bits))) =
-        (inst.class.opcode, inst.operands.first())
-    else {
+    let (Op::Constant, Some(Operand::LiteralBit32(bits))) = (inst.class.opcode, inst.operands.first()) else {
         return None;
     };
-    let of_type = module
-        .types_global_values
-        .iter()
-        .find(|other| other.result_id == inst.result_type)?;
+    let of_type = module.types_global_values.iter().find(|other| other.result_id == inst.result_type)?;
     let value = f32::from_bits(*bits);
-    (of_type.class.opcode == Op::TypeFloat && !value.is_finite()).then(|| {
-        format!("a float constant is {value}: wgpu's portable path (naga) refuses such a module")
-    })
+    (of_type.class.opcode == Op::TypeFloat && !value.is_finite())
+        .then(|| format!("a float constant is {value}: wgpu's portable path (naga) refuses such a module"))
 }
 
 #[cfg(test)]
@@ -198,8 +156,7 @@ mod tests {
     fn with_glsl(op: Glsl) -> Result<Vec<String>> {
         let mut module = kernel(|b, float, x| {
             let set = b.ext_inst_import("GLSL.std.450");
-            b.ext_inst(float, None, set, op as u32, [Operand::IdRef(x)])
-                .unwrap();
+            b.ext_inst(float, None, set, op as u32, [Operand::IdRef(x)]).unwrap();
         });
         crate::memory_model::to_glsl450(&mut module).unwrap();
         structure(&module)
@@ -208,10 +165,7 @@ mod tests {
     #[test]
     fn a_square_root_is_refused_and_a_floor_is_not() {
         let error = with_glsl(Glsl::Sqrt).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "GLSL.std.450 Sqrt does not give the same bits on all devices; it is used by main"
-        );
+        assert_eq!(error, "GLSL.std.450 Sqrt does not give the same bits on all devices; it is used by main");
         with_glsl(Glsl::Floor).unwrap();
     }
 
@@ -221,23 +175,11 @@ mod tests {
             b.constant_bit32(float, f32::INFINITY.to_bits());
             b.f_rem(float, None, x, x).unwrap();
         });
-        assert!(
-            structure(&module)
-                .unwrap_err()
-                .to_string()
-                .contains("VulkanMemoryModel")
-        );
+        assert!(structure(&module).unwrap_err().to_string().contains("VulkanMemoryModel"));
         crate::memory_model::to_glsl450(&mut module).unwrap();
-        assert!(
-            structure(&module)
-                .unwrap_err()
-                .to_string()
-                .starts_with("OpFRem")
-        );
+        assert!(structure(&module).unwrap_err().to_string().starts_with("OpFRem"));
         for block in &mut module.functions[0].blocks {
-            block
-                .instructions
-                .retain(|inst| inst.class.opcode != Op::FRem);
+            block.instructions.retain(|inst| inst.class.opcode != Op::FRem);
         }
         assert_eq!(structure(&module).unwrap().len(), 1);
     }

@@ -64,24 +64,13 @@ pub fn find() -> Result<Compiler, Missing> {
     let set = toolchain.is_some() || dylib.is_some();
     let toolchain = toolchain.unwrap_or_else(|| TOOLCHAIN.into());
     let dylib = dylib.unwrap_or_else(|| {
-        let name = format!(
-            "{}rustc_codegen_spirv{}",
-            env::consts::DLL_PREFIX,
-            env::consts::DLL_SUFFIX
-        );
-        user_cache()
-            .unwrap_or_default()
-            .join(CARGO_GPU_DIR)
-            .join(name)
+        let name = format!("{}rustc_codegen_spirv{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX);
+        user_cache().unwrap_or_default().join(CARGO_GPU_DIR).join(name)
     });
     if dylib.is_file() && has_toolchain(&toolchain) {
         Ok(Compiler { toolchain, dylib })
     } else if set {
-        let what = if dylib.is_file() {
-            format!("toolchain {toolchain}")
-        } else {
-            dylib.display().to_string()
-        };
+        let what = if dylib.is_file() { format!("toolchain {toolchain}") } else { dylib.display().to_string() };
         Err(Missing::Wrong(format!(
             "RUST_GPU_TOOLCHAIN or RUSTC_CODEGEN_SPIRV is set, but there is no {what} on this machine"
         )))
@@ -98,11 +87,7 @@ impl Compiler {
 
     /// Builds the module of all entry points; returns its words as the compiler wrote them.
     pub fn build(&self, root: &Path) -> Result<Vec<u32>> {
-        for variable in [
-            "RUSTGPU_CODEGEN_ARGS",
-            "RUSTGPU_RUSTFLAGS",
-            "RUSTGPU_CARGOFLAGS",
-        ] {
+        for variable in ["RUSTGPU_CODEGEN_ARGS", "RUSTGPU_RUSTFLAGS", "RUSTGPU_CARGOFLAGS"] {
             if env::var_os(variable).is_some() {
                 bail!("{variable} would change what the compiler does: unset it");
             }
@@ -116,14 +101,11 @@ impl Compiler {
         let target = target_dir(root)?;
         forget_own_crates(&target)?;
         builder.target_dir_path = Some(target);
-        let result = builder
-            .build()
-            .map_err(|error| anyhow::anyhow!("rust-gpu: {error}"))?;
+        let result = builder.build().map_err(|error| anyhow::anyhow!("rust-gpu: {error}"))?;
         let ModuleResult::SingleModule(path) = result.module else {
             bail!("rust-gpu wrote several modules where one was asked for");
         };
-        let bytes =
-            std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
+        let bytes = std::fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         let (words, []) = bytes.as_chunks::<4>() else {
             bail!("{} is no whole number of words", path.display());
         };
@@ -134,9 +116,7 @@ impl Compiler {
 /// Where spirv-builder would build by itself, as an absolute path.
 fn target_dir(root: &Path) -> Result<PathBuf> {
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), PathBuf::from);
-    Ok(std::path::absolute(target)
-        .context("cannot tell the current folder")?
-        .join("spirv-builder"))
+    Ok(std::path::absolute(target).context("cannot tell the current folder")?.join("spirv-builder"))
 }
 
 /// Has cargo compile the workspace's own crates again.
@@ -153,8 +133,7 @@ fn forget_own_crates(target: &Path) -> Result<()> {
         let entry = entry.with_context(|| format!("cannot read {}", folder.display()))?;
         if entry.file_name().to_string_lossy().starts_with("caustic-") {
             let path = entry.path();
-            std::fs::remove_dir_all(&path)
-                .with_context(|| format!("cannot remove {}", path.display()))?;
+            std::fs::remove_dir_all(&path).with_context(|| format!("cannot remove {}", path.display()))?;
         }
     }
     Ok(())
@@ -163,11 +142,7 @@ fn forget_own_crates(target: &Path) -> Result<()> {
 /// Paths that must not be found in the module: of this checkout, of this user, of rustc's sources.
 pub fn private_paths(root: &Path) -> Vec<String> {
     let home = env::home_dir().unwrap_or_default();
-    let mut paths = vec![
-        root.display().to_string(),
-        home.display().to_string(),
-        "/rustc/".into(),
-    ];
+    let mut paths = vec![root.display().to_string(), home.display().to_string(), "/rustc/".into()];
     paths.retain(|path| path.len() > 1);
     paths
 }
@@ -180,12 +155,7 @@ fn has_toolchain(name: &str) -> bool {
     let list = String::from_utf8_lossy(&output.stdout);
     list.lines()
         .filter_map(|line| line.split_whitespace().next())
-        .any(|known| {
-            known == name
-                || known
-                    .strip_prefix(name)
-                    .is_some_and(|host| host.starts_with('-'))
-        })
+        .any(|known| known == name || known.strip_prefix(name).is_some_and(|host| host.starts_with('-')))
 }
 
 /// The user's cache folder, as the `directories` crate, and so cargo-gpu, has it.
@@ -197,8 +167,6 @@ fn user_cache() -> Option<PathBuf> {
     if cfg!(target_os = "macos") {
         return Some(home.join("Library/Caches"));
     }
-    let xdg = env::var_os("XDG_CACHE_HOME")
-        .map(PathBuf::from)
-        .filter(|path| path.is_absolute());
+    let xdg = env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(|path| path.is_absolute());
     Some(xdg.unwrap_or_else(|| home.join(".cache")))
 }

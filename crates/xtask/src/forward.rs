@@ -27,7 +27,9 @@ fn forward(function: &mut Function, globals: &BTreeMap<u32, Instruction>) {
         .collect();
     let mut instead = BTreeMap::new();
     for inst in locals.values().filter(|inst| inst.class.opcode == Op::CompositeExtract) {
-        if let (Some(id), Some(source)) = (inst.result_id, source(id_of(&inst.operands[0]), &path(inst, 1), &locals, globals)) {
+        if let (Some(id), Some(source)) =
+            (inst.result_id, source(id_of(&inst.operands[0]), &path(inst, 1), &locals, globals))
+        {
             instead.insert(id, source);
         }
     }

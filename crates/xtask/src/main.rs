@@ -60,16 +60,8 @@ fn usage(error: &clap::Error) -> ExitCode {
     }
     let text = error.to_string();
     // The first paragraph: what follows is clap's usage summary.
-    let lines: Vec<&str> = text
-        .lines()
-        .map(str::trim)
-        .take_while(|line| !line.is_empty())
-        .collect();
-    let sentence = if text.starts_with("error: ") {
-        lines.join(" ")
-    } else {
-        "error: no task given".into()
-    };
+    let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
+    let sentence = if text.starts_with("error: ") { lines.join(" ") } else { "error: no task given".into() };
     eprintln!("{sentence}; see `cargo xtask shaders --help`");
     ExitCode::from(2)
 }

@@ -10,41 +10,21 @@
 
 use anyhow::{Context, Result};
 use rspirv::dr::{Function, Instruction, Module, Operand};
-use rspirv::spirv::{
-    AddressingModel, Capability, MemoryAccess, MemoryModel, MemorySemantics, Op, Scope,
-};
+use rspirv::spirv::{AddressingModel, Capability, MemoryAccess, MemoryModel, MemorySemantics, Op, Scope};
 use std::collections::BTreeMap;
 
 /// Rewrites the memory model; leaves a module that already has GLSL450 as it is.
 pub fn to_glsl450(module: &mut Module) -> Result<()> {
-    let model = module
-        .memory_model
-        .as_mut()
-        .context("the module declares no memory model")?;
-    model.operands = vec![
-        Operand::AddressingModel(AddressingModel::Logical),
-        Operand::MemoryModel(MemoryModel::GLSL450),
-    ];
-    let vulkan = [
-        Capability::VulkanMemoryModel,
-        Capability::VulkanMemoryModelDeviceScope,
-    ];
-    module.capabilities.retain(|inst| {
-        !vulkan
-            .iter()
-            .any(|&c| inst.operands[0] == Operand::Capability(c))
-    });
+    let model = module.memory_model.as_mut().context("the module declares no memory model")?;
+    model.operands =
+        vec![Operand::AddressingModel(AddressingModel::Logical), Operand::MemoryModel(MemoryModel::GLSL450)];
+    let vulkan = [Capability::VulkanMemoryModel, Capability::VulkanMemoryModelDeviceScope];
+    module.capabilities.retain(|inst| !vulkan.iter().any(|&c| inst.operands[0] == Operand::Capability(c)));
     let extension = Operand::LiteralString("SPV_KHR_vulkan_memory_model".into());
-    module
-        .extensions
-        .retain(|inst| inst.operands[0] != extension);
+    module.extensions.retain(|inst| inst.operands[0] != extension);
 
     let mut constants = Constants::new(module);
-    for inst in module
-        .functions
-        .iter_mut()
-        .flat_map(Function::all_inst_iter_mut)
-    {
+    for inst in module.functions.iter_mut().flat_map(Function::all_inst_iter_mut) {
         for operand in &mut inst.operands {
             match operand {
                 Operand::IdMemorySemantics(id) => *id = constants.map(*id, glsl450_semantics),
@@ -72,11 +52,7 @@ fn glsl450_semantics(value: u32) -> u32 {
 
 /// A scope that exists in GLSL450.
 fn glsl450_scope(value: u32) -> u32 {
-    if value == Scope::QueueFamily as u32 {
-        Scope::Device as u32
-    } else {
-        value
-    }
+    if value == Scope::QueueFamily as u32 { Scope::Device as u32 } else { value }
 }
 
 /// Removes the Vulkan model's bits, and the scopes that follow them, from loads, stores and copies.
@@ -108,17 +84,11 @@ struct Constants {
 impl Constants {
     fn new(module: &Module) -> Self {
         let value = |inst: &Instruction| match (inst.class.opcode, inst.operands.first()) {
-            (Op::Constant, Some(Operand::LiteralBit32(value))) => {
-                Some((inst.result_id?, (inst.result_type?, *value)))
-            }
+            (Op::Constant, Some(Operand::LiteralBit32(value))) => Some((inst.result_id?, (inst.result_type?, *value))),
             _ => None,
         };
         Self {
-            values: module
-                .types_global_values
-                .iter()
-                .filter_map(value)
-                .collect(),
+            values: module.types_global_values.iter().filter_map(value).collect(),
             added: Vec::new(),
             next: module.header.as_ref().map_or(1, |header| header.bound),
         }
@@ -139,12 +109,7 @@ impl Constants {
         let new = self.next;
         self.next += 1;
         let operands = vec![Operand::LiteralBit32(wanted.1)];
-        self.added.push(Instruction::new(
-            Op::Constant,
-            Some(of_type),
-            Some(new),
-            operands,
-        ));
+        self.added.push(Instruction::new(Op::Constant, Some(of_type), Some(new), operands));
         self.values.insert(new, wanted);
         new
     }
@@ -165,36 +130,20 @@ mod tests {
         });
         to_glsl450(&mut module).unwrap();
         let constants = Constants::new(&module).values;
-        let barrier = module
-            .all_inst_iter()
-            .find(|inst| inst.class.opcode == Op::MemoryBarrier)
-            .unwrap();
+        let barrier = module.all_inst_iter().find(|inst| inst.class.opcode == Op::MemoryBarrier).unwrap();
         let value = |at: usize| constants[&barrier.operands[at].id_ref_any().unwrap()].1;
         assert_eq!((value(0), value(1)), (Scope::Device as u32, 0x108));
-        assert_eq!(
-            module.memory_model.unwrap().operands[1],
-            Operand::MemoryModel(MemoryModel::GLSL450)
-        );
+        assert_eq!(module.memory_model.unwrap().operands[1], Operand::MemoryModel(MemoryModel::GLSL450));
     }
 
     #[test]
     fn loads_lose_the_bit_and_its_scope() {
-        let access = MemoryAccess::NON_PRIVATE_POINTER
-            | MemoryAccess::MAKE_POINTER_VISIBLE
-            | MemoryAccess::ALIGNED;
-        let operands = vec![
-            Operand::IdRef(1),
-            Operand::MemoryAccess(access),
-            Operand::LiteralBit32(4),
-            Operand::IdScope(2),
-        ];
+        let access = MemoryAccess::NON_PRIVATE_POINTER | MemoryAccess::MAKE_POINTER_VISIBLE | MemoryAccess::ALIGNED;
+        let operands =
+            vec![Operand::IdRef(1), Operand::MemoryAccess(access), Operand::LiteralBit32(4), Operand::IdScope(2)];
         let mut load = Instruction::new(Op::Load, Some(3), Some(4), operands);
         strip_access(&mut load);
-        let kept = [
-            Operand::IdRef(1),
-            Operand::MemoryAccess(MemoryAccess::ALIGNED),
-            Operand::LiteralBit32(4),
-        ];
+        let kept = [Operand::IdRef(1), Operand::MemoryAccess(MemoryAccess::ALIGNED), Operand::LiteralBit32(4)];
         assert_eq!(load.operands, kept);
     }
 }

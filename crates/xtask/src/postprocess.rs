@@ -45,8 +45,7 @@ pub fn process(words: &[u32], private: &[String]) -> Result<Vec<Finished>> {
 
 /// Parses words.
 pub fn load(words: &[u32]) -> Result<Module> {
-    rspirv::dr::load_words(words)
-        .map_err(|error| anyhow!("cannot parse the compiler's SPIR-V: {error}"))
+    rspirv::dr::load_words(words).map_err(|error| anyhow!("cannot parse the compiler's SPIR-V: {error}"))
 }
 
 /// Whether the results of `op` are floats that a driver may contract or reassociate.
@@ -80,9 +79,7 @@ pub fn strip(module: &mut Module) {
     module.debug_string_source.clear();
     module.debug_names.clear();
     module.debug_module_processed.clear();
-    module
-        .extensions
-        .retain(|inst| !is_string(inst, |name| name == "SPV_KHR_non_semantic_info"));
+    module.extensions.retain(|inst| !is_string(inst, |name| name == "SPV_KHR_non_semantic_info"));
     let debug = |name: &str| name.starts_with("NonSemantic.") || name.contains("DebugInfo");
     let sets: BTreeSet<u32> = module
         .ext_inst_imports
@@ -90,55 +87,36 @@ pub fn strip(module: &mut Module) {
         .filter(|inst| is_string(inst, debug))
         .filter_map(|inst| inst.result_id)
         .collect();
-    module
-        .ext_inst_imports
-        .retain(|inst| !is_string(inst, debug));
+    module.ext_inst_imports.retain(|inst| !is_string(inst, debug));
     let keep = |inst: &Instruction| match inst.class.opcode {
         Op::Line | Op::NoLine => false,
-        Op::ExtInst => !inst.operands[0]
-            .id_ref_any()
-            .is_some_and(|set| sets.contains(&set)),
+        Op::ExtInst => !inst.operands[0].id_ref_any().is_some_and(|set| sets.contains(&set)),
         _ => true,
     };
     module.types_global_values.retain(keep);
-    for block in module
-        .functions
-        .iter_mut()
-        .flat_map(|function| &mut function.blocks)
-    {
+    for block in module.functions.iter_mut().flat_map(|function| &mut function.blocks) {
         block.instructions.retain(keep);
     }
 }
 
 fn is_string(inst: &Instruction, test: impl Fn(&str) -> bool) -> bool {
-    inst.operands
-        .iter()
-        .any(|operand| matches!(operand, Operand::LiteralString(text) if test(text)))
+    inst.operands.iter().any(|operand| matches!(operand, Operand::LiteralString(text) if test(text)))
 }
 
 /// Decorates every float operation `NoContraction`.
 ///
 /// rust-gpu emits none, and a driver may then fuse `a * b + c` into one rounding. NVIDIA's does.
 pub fn forbid_contraction(module: &mut Module) {
-    let done: BTreeSet<u32> = module
-        .annotations
-        .iter()
-        .filter_map(no_contraction_target)
-        .collect();
+    let done: BTreeSet<u32> = module.annotations.iter().filter_map(no_contraction_target).collect();
     let results: BTreeSet<u32> = module
         .all_inst_iter()
         .filter(|inst| is_float_arithmetic(inst.class.opcode))
         .filter_map(|inst| inst.result_id)
         .collect();
-    module
-        .annotations
-        .extend(results.difference(&done).map(|&id| {
-            let operands = vec![
-                Operand::IdRef(id),
-                Operand::Decoration(Decoration::NoContraction),
-            ];
-            Instruction::new(Op::Decorate, None, None, operands)
-        }));
+    module.annotations.extend(results.difference(&done).map(|&id| {
+        let operands = vec![Operand::IdRef(id), Operand::Decoration(Decoration::NoContraction)];
+        Instruction::new(Op::Decorate, None, None, operands)
+    }));
 }
 
 fn no_contraction_target(inst: &Instruction) -> Option<u32> {
@@ -153,10 +131,7 @@ fn drop_unused_capabilities(module: &mut Module) {
     for inst in module.all_inst_iter() {
         used.extend(inst.class.capabilities);
         used.extend(
-            inst.operands
-                .iter()
-                .filter(|o| matches!(o, Operand::BuiltIn(_)))
-                .flat_map(Operand::required_capabilities),
+            inst.operands.iter().filter(|o| matches!(o, Operand::BuiltIn(_))).flat_map(Operand::required_capabilities),
         );
     }
     // The others each imply the first, which stays with them for readers that do not follow implications.
@@ -187,12 +162,8 @@ mod tests {
         });
         let private = ["/home/somebody".to_owned()];
         assert!(verify::no_paths(&module.assemble(), &private).is_err());
-        let (module, words) = process(&module.assemble(), &private).unwrap();
-        assert!(
-            module
-                .all_inst_iter()
-                .all(|inst| !matches!(inst.class.opcode, Op::String | Op::Line))
-        );
+        let Finished { module, words, .. } = process(&module.assemble(), &private).unwrap().remove(0);
+        assert!(module.all_inst_iter().all(|inst| !matches!(inst.class.opcode, Op::String | Op::Line)));
         verify::no_paths(&words, &private).unwrap();
     }
 
@@ -201,7 +172,7 @@ mod tests {
         let module = kernel(|b, float, x| {
             b.f_mul(float, None, x, x).unwrap();
         });
-        let (_, once) = process(&module.assemble(), &[]).unwrap();
-        assert_eq!(process(&once, &[]).unwrap().1, once);
+        let once = process(&module.assemble(), &[]).unwrap().remove(0).words;
+        assert_eq!(process(&once, &[]).unwrap().remove(0).words, once);
     }
 }

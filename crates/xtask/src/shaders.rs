@@ -33,9 +33,7 @@ pub fn run(options: &Options) -> Result<()> {
     match (compile::find(), options.check) {
         (Ok(compiler), false) => write(&root, &compiler),
         (Ok(compiler), true) => compare(&root, &compiler),
-        (Err(compile::Missing::Nowhere(_)), true) if !options.require_rebuild => {
-            compare_hashes(&root)
-        }
+        (Err(compile::Missing::Nowhere(_)), true) if !options.require_rebuild => compare_hashes(&root),
         (Err(missing), _) => bail!(missing),
     }
 }
@@ -73,8 +71,7 @@ fn build(root: &Path, compiler: &Compiler) -> Result<Files> {
         files.values().map(Vec::len).sum::<usize>(),
         capabilities.into_iter().collect::<Vec<_>>().join(" ")
     );
-    let manifest =
-        Manifest { sources_sha256: sources::hash(root)?, compiler: compile::NAME.into(), entry_points };
+    let manifest = Manifest { sources_sha256: sources::hash(root)?, compiler: compile::NAME.into(), entry_points };
     let mut json = serde_json::to_vec_pretty(&manifest)?;
     json.push(b'\n');
     files.insert(MANIFEST.into(), json);
@@ -161,10 +158,6 @@ fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
 /// The nearest folder upwards that holds `shaders-crate`.
 fn workspace_root() -> Result<PathBuf> {
     let here = std::env::current_dir().context("cannot tell the current folder")?;
-    let found = here
-        .ancestors()
-        .find(|dir| dir.join("shaders-crate/Cargo.toml").is_file());
-    Ok(found
-        .context("`cargo xtask` must run inside the caustic workspace")?
-        .to_owned())
+    let found = here.ancestors().find(|dir| dir.join("shaders-crate/Cargo.toml").is_file());
+    Ok(found.context("`cargo xtask` must run inside the caustic workspace")?.to_owned())
 }

@@ -21,19 +21,13 @@ const TOOLS: [&str; 2] = ["spirv-builder", "rspirv"];
 
 /// SHA-256 in hexadecimal.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes)
-        .iter()
-        .map(|byte| format!("{byte:02x}"))
-        .collect()
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// `\r\n` as `\n`: what a checkout on Windows may have done to text.
 pub fn normalised(bytes: &[u8]) -> Vec<u8> {
     let end = |i: usize| bytes[i] == b'\r' && bytes.get(i + 1) == Some(&b'\n');
-    (0..bytes.len())
-        .filter(|&i| !end(i))
-        .map(|i| bytes[i])
-        .collect()
+    (0..bytes.len()).filter(|&i| !end(i)).map(|i| bytes[i]).collect()
 }
 
 /// The hash of all sources below the workspace root.
@@ -44,16 +38,9 @@ pub fn hash(root: &Path) -> Result<String> {
     }
     let lock = fs::read_to_string(root.join("Cargo.lock")).context("cannot read Cargo.lock")?;
     let packages = locked(&lock)?;
-    parts.insert(
-        "Cargo.lock".into(),
-        packages.iter().cloned().collect::<String>().into_bytes(),
-    );
-    let workspace =
-        fs::read_to_string(root.join("Cargo.toml")).context("cannot read Cargo.toml")?;
-    parts.insert(
-        "Cargo.toml".into(),
-        settings(&workspace, &packages)?.into_bytes(),
-    );
+    parts.insert("Cargo.lock".into(), packages.iter().cloned().collect::<String>().into_bytes());
+    let workspace = fs::read_to_string(root.join("Cargo.toml")).context("cannot read Cargo.toml")?;
+    parts.insert("Cargo.toml".into(), settings(&workspace, &packages)?.into_bytes());
     Ok(digest(&parts))
 }
 
@@ -76,17 +63,10 @@ fn collect(root: &Path, relative: &str, parts: &mut BTreeMap<String, Vec<u8>>) -
     if path.is_dir() {
         for entry in fs::read_dir(&path).with_context(context)? {
             let name = entry.with_context(context)?.file_name();
-            collect(
-                root,
-                &format!("{relative}/{}", name.to_string_lossy()),
-                parts,
-            )?;
+            collect(root, &format!("{relative}/{}", name.to_string_lossy()), parts)?;
         }
     } else {
-        parts.insert(
-            relative.into(),
-            normalised(&fs::read(&path).with_context(context)?),
-        );
+        parts.insert(relative.into(), normalised(&fs::read(&path).with_context(context)?));
     }
     Ok(())
 }
@@ -94,16 +74,8 @@ fn collect(root: &Path, relative: &str, parts: &mut BTreeMap<String, Vec<u8>>) -
 /// `name version checksum` of every package the shaders are locked to, one a line.
 fn locked(lock: &str) -> Result<BTreeSet<String>> {
     let lock: toml::Table = lock.parse().context("cannot parse Cargo.lock")?;
-    let packages = lock
-        .get("package")
-        .and_then(toml::Value::as_array)
-        .context("Cargo.lock lists no packages")?;
-    let text = |package: &toml::Value, key: &str| {
-        package
-            .get(key)
-            .and_then(toml::Value::as_str)
-            .map(str::to_owned)
-    };
+    let packages = lock.get("package").and_then(toml::Value::as_array).context("Cargo.lock lists no packages")?;
+    let text = |package: &toml::Value, key: &str| package.get(key).and_then(toml::Value::as_str).map(str::to_owned);
     let mut lines = BTreeSet::new();
     let mut queue = vec![SHADERS.to_owned()];
     queue.extend(TOOLS.map(str::to_owned));
@@ -111,10 +83,7 @@ fn locked(lock: &str) -> Result<BTreeSet<String>> {
         // A dependency is written `name`, or `name version` where several versions are locked.
         let mut words = wanted.split(' ');
         let (name, version) = (words.next().unwrap_or_default(), words.next());
-        for package in packages
-            .iter()
-            .filter(|package| text(package, "name").as_deref() == Some(name))
-        {
+        for package in packages.iter().filter(|package| text(package, "name").as_deref() == Some(name)) {
             let locked = text(package, "version").unwrap_or_default();
             if version.is_some_and(|version| version != locked) {
                 continue;
@@ -122,12 +91,7 @@ fn locked(lock: &str) -> Result<BTreeSet<String>> {
             let checksum = text(package, "checksum").unwrap_or_default();
             if lines.insert(format!("{name} {locked} {checksum}\n")) && !TOOLS.contains(&name) {
                 let dependencies = package.get("dependencies").and_then(toml::Value::as_array);
-                queue.extend(
-                    dependencies
-                        .into_iter()
-                        .flatten()
-                        .filter_map(|d| d.as_str().map(str::to_owned)),
-                );
+                queue.extend(dependencies.into_iter().flatten().filter_map(|d| d.as_str().map(str::to_owned)));
             }
         }
     }
@@ -138,25 +102,14 @@ fn locked(lock: &str) -> Result<BTreeSet<String>> {
 fn settings(workspace: &str, packages: &BTreeSet<String>) -> Result<String> {
     let workspace: toml::Table = workspace.parse().context("cannot parse Cargo.toml")?;
     let mut kept = BTreeMap::new();
-    let dependencies = workspace
-        .get("workspace")
-        .and_then(|w| w.get("dependencies"))
-        .and_then(toml::Value::as_table);
+    let dependencies = workspace.get("workspace").and_then(|w| w.get("dependencies")).and_then(toml::Value::as_table);
     for (name, value) in dependencies.into_iter().flatten() {
-        if packages
-            .iter()
-            .any(|line| line.split(' ').next() == Some(name))
-        {
+        if packages.iter().any(|line| line.split(' ').next() == Some(name)) {
             kept.insert(name.clone(), value.to_string());
         }
     }
-    let release = workspace
-        .get("profile")
-        .and_then(|profile| profile.get("release"));
-    kept.insert(
-        "profile.release".into(),
-        release.map(toml::Value::to_string).unwrap_or_default(),
-    );
+    let release = workspace.get("profile").and_then(|profile| profile.get("release"));
+    kept.insert("profile.release".into(), release.map(toml::Value::to_string).unwrap_or_default());
     Ok(format!("{kept:?}"))
 }
 
@@ -170,14 +123,8 @@ mod tests {
 
     #[test]
     fn one_byte_changes_the_hash_and_a_line_end_does_not() {
-        assert_ne!(
-            digest(&parts("let a = 1;\n")),
-            digest(&parts("let a = 2;\n"))
-        );
-        assert_eq!(
-            digest(&parts("let a = 1;\r\n")),
-            digest(&parts("let a = 1;\n"))
-        );
+        assert_ne!(digest(&parts("let a = 1;\n")), digest(&parts("let a = 2;\n")));
+        assert_eq!(digest(&parts("let a = 1;\r\n")), digest(&parts("let a = 1;\n")));
     }
 
     #[test]

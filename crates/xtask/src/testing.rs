@@ -1,9 +1,7 @@
 //! Small modules for the unit tests.
 
 use rspirv::dr::{Builder, Module};
-use rspirv::spirv::{
-    AddressingModel, Capability, ExecutionMode, ExecutionModel, FunctionControl, MemoryModel, Word,
-};
+use rspirv::spirv::{AddressingModel, Capability, ExecutionMode, ExecutionModel, FunctionControl, MemoryModel, Word};
 
 /// A compute entry `main` whose body `fill` writes; it is given the builder, the float type and a float.
 pub fn kernel(fill: impl FnOnce(&mut Builder, Word, Word)) -> Module {
@@ -16,9 +14,7 @@ pub fn kernel(fill: impl FnOnce(&mut Builder, Word, Word)) -> Module {
     let float = b.type_float(32, None);
     let x = b.constant_bit32(float, 1.5f32.to_bits());
     let signature = b.type_function(void, []);
-    let main = b
-        .begin_function(void, None, FunctionControl::NONE, signature)
-        .unwrap();
+    let main = b.begin_function(void, None, FunctionControl::NONE, signature).unwrap();
     b.begin_block(None).unwrap();
     fill(&mut b, float, x);
     b.ret().unwrap();

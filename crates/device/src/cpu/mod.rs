@@ -3,8 +3,8 @@
 mod groups;
 mod shared;
 
-pub use groups::LaneOrder;
 pub(crate) use groups::Groups;
+pub use groups::LaneOrder;
 pub(crate) use shared::Bound;
 
 use crate::buffer::Storage;

@@ -28,7 +28,7 @@ pub struct AdapterReport {
     pub workgroup_memory_bytes: u32,
     /// Whether the exact kernels run on it.
     pub exact: bool,
-    /// Why not, or "".
+    /// Why not; or what to know about it; or "".
     pub reason: String,
 }
 
@@ -39,6 +39,15 @@ fn instance() -> wgpu::Instance {
 
 fn enumerate() -> Vec<wgpu::Adapter> {
     block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+}
+
+/// Mesa's software Vulkan ends all loops of an invocation after 65,535 iterations together (its constant
+/// `LP_MAX_TGSI_LOOP_ITERATIONS`) and says nothing.
+const LLVMPIPE: &str =
+    "it cuts a search off after some ten thousand candidates: use it for tests and --device cpu for pictures";
+
+fn is_llvmpipe(info: &wgpu::AdapterInfo) -> bool {
+    info.name.to_lowercase().contains("llvmpipe")
 }
 
 fn report(index: usize, adapter: &wgpu::Adapter) -> AdapterReport {
@@ -53,6 +62,8 @@ fn report(index: usize, adapter: &wgpu::Adapter) -> AdapterReport {
     } else {
         ""
     };
+    let exact = reason.is_empty();
+    let reason = if exact && is_llvmpipe(&info) { LLVMPIPE } else { reason };
     AdapterReport {
         index,
         name: info.name,
@@ -70,7 +81,7 @@ fn report(index: usize, adapter: &wgpu::Adapter) -> AdapterReport {
         max_buffer_bytes: limits.max_buffer_size.min(limits.max_storage_buffer_binding_size),
         max_workgroup_lanes: limits.max_compute_invocations_per_workgroup,
         workgroup_memory_bytes: limits.max_compute_workgroup_storage_size,
-        exact: reason.is_empty(),
+        exact,
         reason: reason.to_string(),
     }
 }
@@ -106,9 +117,7 @@ pub(crate) fn open(wanted: Option<&str>) -> Result<Gpu> {
             let by_index = text.parse::<usize>().ok().and_then(|i| reports.get(i));
             let named = |r: &&AdapterReport| r.name.to_lowercase().contains(&text.to_lowercase());
             // The same hardware may appear under several backends: Vulkan is the one that is exact.
-            by_index
-                .or_else(|| reports.iter().filter(|r| r.exact).find(named))
-                .or_else(|| reports.iter().find(named))
+            by_index.or_else(|| reports.iter().filter(|r| r.exact).find(named)).or_else(|| reports.iter().find(named))
         }
     };
     let Some(chosen) = chosen else {
@@ -144,6 +153,7 @@ fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport) -> Result<Gpu> 
     let timestamp_period = (!timestamps.is_empty()).then(|| queue.get_timestamp_period());
     Ok(Gpu {
         name: format!("{} ({}, {})", report.name, report.backend, report.driver),
+        note: report.reason.clone(),
         device,
         queue,
         limits,

@@ -20,6 +20,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 pub(crate) struct Gpu {
     name: String,
+    note: String,
     device: wgpu::Device,
     queue: wgpu::Queue,
     limits: wgpu::Limits,
@@ -33,6 +34,11 @@ pub(crate) struct Gpu {
 impl Gpu {
     pub(crate) fn name(&self) -> String {
         self.name.clone()
+    }
+
+    /// What its user should know about it, or "".
+    pub(crate) fn note(&self) -> &str {
+        &self.note
     }
 
     /// Runs `work` and returns the first error that the driver reports for it.

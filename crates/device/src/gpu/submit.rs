@@ -46,13 +46,9 @@ impl Gpu {
                         stage: stage.clone(),
                         reason: error.to_string(),
                     };
-                    let descriptor = wgpu::BindGroupDescriptor {
-                        label: Some(stage),
-                        layout: &pipeline.layout,
-                        entries: &entries,
-                    };
-                    let bind_group =
-                        self.checked(|| self.device.create_bind_group(&descriptor)).map_err(refused)?;
+                    let descriptor =
+                        wgpu::BindGroupDescriptor { label: Some(stage), layout: &pipeline.layout, entries: &entries };
+                    let bind_group = self.checked(|| self.device.create_bind_group(&descriptor)).map_err(refused)?;
                     let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                         label: Some(stage),
                         timestamp_writes: stamps.as_mut().and_then(|stamps| stamps.next(stage)),

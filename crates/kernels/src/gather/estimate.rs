@@ -36,12 +36,12 @@ pub fn gather_neighbours<S: Selection, N: Store<Neighbour> + ?Sized, C: Store<u3
         selection.sort(order);
     }
     let mut n = 0;
-    while n < selection.len() {
+    while n < selection.count() {
         let photon = order[selection.slot(n) as usize];
         neighbours.set(i * params.k + n, Neighbour { distance2: selection.distance2(n), photon });
         n += 1;
     }
-    counts.set(i, selection.len());
+    counts.set(i, selection.count());
 }
 
 /// Irradiance at query `i` by density estimation (eq. 2.1): the power of the k nearest photons over the disc π·r².
@@ -73,8 +73,8 @@ pub fn gather_irradiance<S: Selection, I: Store<Irradiance> + ?Sized>(
         search(query.position, grid, photons, order, starts, ends, &mut selection);
         let mut radius2 = grid.radius2;
         let mut left_out = NONE;
-        result.photons = selection.len();
-        if selection.len() > params.k {
+        result.photons = selection.count();
+        if selection.count() > params.k {
             result.photons = params.k;
             left_out = selection.last();
             radius2 = selection.distance2(left_out);
@@ -95,7 +95,7 @@ pub fn gather_irradiance<S: Selection, I: Store<Irradiance> + ?Sized>(
 fn sum_power<S: Selection>(selection: &S, left_out: u32, photons: &[Photon]) -> [f32; 3] {
     let mut largest = [0.0, 0.0, 0.0];
     let mut n = 0;
-    while n < selection.len() {
+    while n < selection.count() {
         if n != left_out {
             let power = photons[selection.slot(n) as usize].power;
             largest = [max(largest[0], power[0]), max(largest[1], power[1]), max(largest[2], power[2])];
@@ -106,7 +106,7 @@ fn sum_power<S: Selection>(selection: &S, left_out: u32, photons: &[Photon]) -> 
     let mut green = Sum::new(largest[1]);
     let mut blue = Sum::new(largest[2]);
     n = 0;
-    while n < selection.len() {
+    while n < selection.count() {
         if n != left_out {
             let power = photons[selection.slot(n) as usize].power;
             red.add(power[0]);

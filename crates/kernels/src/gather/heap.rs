@@ -124,7 +124,7 @@ impl<const N: usize> Selection for Heap<N> {
     }
 
     #[inline]
-    fn len(&self) -> u32 {
+    fn count(&self) -> u32 {
         self.len
     }
 

@@ -80,7 +80,7 @@ impl<const N: usize> Selection for SortedList<N> {
     }
 
     #[inline]
-    fn len(&self) -> u32 {
+    fn count(&self) -> u32 {
         self.len
     }
 

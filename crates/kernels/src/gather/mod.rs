@@ -45,7 +45,7 @@ pub trait Selection {
     /// Where, before it is sorted, a full container has what is last in order.
     fn last(&self) -> u32;
     /// How many were kept.
-    fn len(&self) -> u32;
+    fn count(&self) -> u32;
     /// Squared distance of the `i`-th, m².
     fn distance2(&self, i: u32) -> f32;
     /// The `i`-th as an index into the sorted photons.
@@ -87,14 +87,14 @@ mod tests {
                 seen.sort_unstable();
                 seen.truncate(k as usize);
             }
-            if selection.len() == k {
+            if selection.count() == k {
                 assert_eq!(Some(selection.slot(selection.last())), seen.last().map(|&(_, _, slot)| slot));
             }
             assert!(selection.bound() <= bound, "a bound never grows");
             bound = selection.bound();
         }
         selection.sort(&order);
-        (0..selection.len()).map(|i| (selection.distance2(i).to_bits(), selection.slot(i))).collect()
+        (0..selection.count()).map(|i| (selection.distance2(i).to_bits(), selection.slot(i))).collect()
     }
 
     fn offers(seed: u32) -> (Vec<f32>, Vec<u32>) {
@@ -128,12 +128,12 @@ mod tests {
         heap.reset(2, 9.0);
         heap.offer(1.0, 0, &order);
         heap.offer(2.0, 1, &order);
-        assert_eq!((heap.len(), heap.bound()), (2, 2.0));
+        assert_eq!((heap.count(), heap.bound()), (2, 2.0));
         heap.reset(3, 5.0);
-        assert_eq!((heap.len(), heap.bound()), (0, 5.0));
+        assert_eq!((heap.count(), heap.bound()), (0, 5.0));
         heap.offer(3.0, 2, &order);
         heap.sort(&order);
-        assert_eq!((heap.len(), heap.distance2(0), heap.slot(0), heap.bound()), (1, 3.0, 2, 5.0));
+        assert_eq!((heap.count(), heap.distance2(0), heap.slot(0), heap.bound()), (1, 3.0, 2, 5.0));
     }
 
     #[test]
@@ -162,7 +162,7 @@ mod tests {
         heap.reset(64, grid.radius2);
         search(position, &grid, &photons, &order, &[0], &[40], &mut heap);
         heap.sort(&order);
-        let found: Vec<_> = (0..heap.len()).map(|i| heap.slot(i)).collect();
+        let found: Vec<_> = (0..heap.count()).map(|i| heap.slot(i)).collect();
         // Itself, then its neighbours in the lattice, by index; there are only five.
         assert_eq!(found, [25, 9, 21, 24, 26, 29]);
     }

@@ -37,9 +37,7 @@ pub fn linear(cell: [u32; 3], cells: [u32; 3]) -> u32 {
 #[inline]
 #[must_use]
 pub fn teschner(cell: [u32; 3]) -> u32 {
-    cell[0].wrapping_mul(73_856_093)
-        ^ cell[1].wrapping_mul(19_349_663)
-        ^ cell[2].wrapping_mul(83_492_791)
+    cell[0].wrapping_mul(73_856_093) ^ cell[1].wrapping_mul(19_349_663) ^ cell[2].wrapping_mul(83_492_791)
 }
 
 /// The lowest ten bits of x, y and z interleaved, x lowest. Coordinates of 1024 cells and more wrap around.

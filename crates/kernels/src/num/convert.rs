@@ -16,20 +16,12 @@ pub fn floor_to_i32(x: f32) -> i32 {
     let magnitude = bits & !SIGN;
     // 2³⁰ and above, infinity, NaN: decided on the bits, for a native comparison may take NaN for impossible.
     if magnitude >= 0x4e80_0000 {
-        return if magnitude > INFINITY || bits & SIGN != 0 {
-            -LIMIT
-        } else {
-            LIMIT
-        };
+        return if magnitude > INFINITY || bits & SIGN != 0 { -LIMIT } else { LIMIT };
     }
     let x = flush(x);
     let toward_zero = x as i32;
     // From 2²⁴ on, where a conversion back might round, x is whole.
-    if toward_zero as f32 > x {
-        toward_zero - 1
-    } else {
-        toward_zero
-    }
+    if toward_zero as f32 > x { toward_zero - 1 } else { toward_zero }
 }
 
 /// `x` without its fraction, clamped to [0, 2³²−256], the largest float below 2³²; NaN gives 0. Exact within.
@@ -48,11 +40,7 @@ pub fn f32_to_u32_clamped(x: f32) -> u32 {
     }
     let significand = (bits & 0x007f_ffff) | 0x0080_0000;
     let exponent = (bits >> 23) - 127;
-    if exponent < 23 {
-        significand >> (23 - exponent)
-    } else {
-        significand << (exponent - 23)
-    }
+    if exponent < 23 { significand >> (23 - exponent) } else { significand << (exponent - 23) }
 }
 
 /// How many floats lie from `a` to `b`: 0 for equal ones and for zeros of either sign, `u32::MAX` if either is NaN.
@@ -65,22 +53,14 @@ pub fn ulp_distance(a: f32, b: f32) -> u32 {
     let x = ordered(a);
     let y = ordered(b);
     // At most 2·0x7f800000, which is below 2³².
-    (if x > y {
-        x.wrapping_sub(y)
-    } else {
-        y.wrapping_sub(x)
-    }) as u32
+    (if x > y { x.wrapping_sub(y) } else { y.wrapping_sub(x) }) as u32
 }
 
 /// An integer in step with `x`: 0 for both zeros, ±n for the n-th float above or below.
 #[inline]
 fn ordered(x: f32) -> i32 {
     let magnitude = (x.to_bits() & !SIGN) as i32;
-    if x.to_bits() & SIGN == 0 {
-        magnitude
-    } else {
-        -magnitude
-    }
+    if x.to_bits() & SIGN == 0 { magnitude } else { -magnitude }
 }
 
 #[cfg(test)]
@@ -94,13 +74,8 @@ mod tests {
             let bits = (i as f32).to_bits();
             [bits, bits.wrapping_add(1), bits.wrapping_sub(1)]
         });
-        let powers =
-            (0..512u32).flat_map(|top| [top << 23, (top << 23) + 1, (top << 23).wrapping_sub(1)]);
-        EDGES
-            .into_iter()
-            .chain(near_whole)
-            .chain(powers)
-            .chain((0..1_000_000).map(move |_| lcg.next_u32()))
+        let powers = (0..512u32).flat_map(|top| [top << 23, (top << 23) + 1, (top << 23).wrapping_sub(1)]);
+        EDGES.into_iter().chain(near_whole).chain(powers).chain((0..1_000_000).map(move |_| lcg.next_u32()))
     }
 
     #[test]
@@ -109,10 +84,7 @@ mod tests {
         assert_eq!(f64::from(u32_to_unit(256)), 2f64.powi(-24));
         assert_eq!(f64::from(u32_to_unit(u32::MAX)), 1.0 - 2f64.powi(-24));
         for i in (0..1 << 24).step_by(101) {
-            assert_eq!(
-                f64::from(u32_to_unit(i << 8 | 0xff)),
-                f64::from(i) / f64::from(1 << 24)
-            );
+            assert_eq!(f64::from(u32_to_unit(i << 8 | 0xff)), f64::from(i) / f64::from(1 << 24));
         }
     }
 
@@ -121,16 +93,8 @@ mod tests {
         for bits in patterns() {
             let x = operand(bits);
             let limit = f64::from(1 << 30);
-            let expected = if x.is_nan() {
-                -limit
-            } else {
-                f64::from(x).floor().clamp(-limit, limit)
-            };
-            assert_eq!(
-                f64::from(floor_to_i32(f32::from_bits(bits))),
-                expected,
-                "{bits:#010x}"
-            );
+            let expected = if x.is_nan() { -limit } else { f64::from(x).floor().clamp(-limit, limit) };
+            assert_eq!(f64::from(floor_to_i32(f32::from_bits(bits))), expected, "{bits:#010x}");
         }
     }
 
@@ -138,11 +102,7 @@ mod tests {
     fn unsigned() {
         for bits in patterns() {
             let x = f32::from_bits(bits);
-            assert_eq!(
-                f32_to_u32_clamped(x),
-                (x as u32).min(0xffff_ff00),
-                "{bits:#010x}"
-            );
+            assert_eq!(f32_to_u32_clamped(x), (x as u32).min(0xffff_ff00), "{bits:#010x}");
         }
     }
 
@@ -152,10 +112,7 @@ mod tests {
         assert_eq!(ulp_distance(1.0, 1.0 + f32::EPSILON), 1);
         assert_eq!(ulp_distance(f32::from_bits(1), f32::from_bits(SIGN | 1)), 2);
         assert_eq!(ulp_distance(f32::MIN, f32::MAX), 2 * 0x7f7f_ffff);
-        assert_eq!(
-            ulp_distance(f32::NEG_INFINITY, f32::INFINITY),
-            2 * 0x7f80_0000
-        );
+        assert_eq!(ulp_distance(f32::NEG_INFINITY, f32::INFINITY), 2 * 0x7f80_0000);
         assert_eq!(ulp_distance(f32::NAN, f32::NAN), u32::MAX);
         for x in patterns().map(f32::from_bits).filter(|x| x.is_finite()) {
             assert_eq!(ulp_distance(x, x.next_up()), 1, "{x}");

@@ -34,10 +34,7 @@ fn scaled_operands(a: f32, b: f32) -> (f32, f32) {
     let fa = a.to_bits() & 0x007f_ffff;
     let fb = b.to_bits() & 0x007f_ffff;
     let exponent = if fa < fb { 0x4000_0000 } else { 0x3f80_0000 };
-    (
-        f32::from_bits(exponent | fa),
-        f32::from_bits(0x3f80_0000 | fb),
-    )
+    (f32::from_bits(exponent | fa), f32::from_bits(0x3f80_0000 | fb))
 }
 
 /// `a / b`, correctly rounded, from a `guess` within 8 ulp of the quotient of their significands scaled to [1, 2).
@@ -90,11 +87,7 @@ pub fn div_corrected(guess: f32, a: f32, b: f32) -> f32 {
 #[inline]
 fn add_digit(q: u32, remainder: u32, d: u32, digit: u32) -> (u32, u32) {
     let multiple = d * digit;
-    if remainder >= multiple {
-        (q.wrapping_add(digit), remainder - multiple)
-    } else {
-        (q, remainder)
-    }
+    if remainder >= multiple { (q.wrapping_add(digit), remainder - multiple) } else { (q, remainder) }
 }
 
 /// The quotient where an operand is zero, subnormal, infinite or NaN; `a` and `b` are bits without sign.
@@ -120,28 +113,19 @@ mod tests {
     const RANDOM_PAIRS: u32 = 1_500_000;
     /// Significand pairs for each of the 2¹⁶ pairs of exponents and each pair of signs.
     const PAIRS_AN_EXPONENT: u32 = 8;
-    const EDGE_FRACTIONS: [u32; 12] = [
-        0, 1, 2, 3, 0x3f_ffff, 0x40_0000, 0x40_0001, 0x2a_aaaa, 0x55_5555, 0x7f_fffd, 0x7f_fffe,
-        0x7f_ffff,
-    ];
+    const EDGE_FRACTIONS: [u32; 12] =
+        [0, 1, 2, 3, 0x3f_ffff, 0x40_0000, 0x40_0001, 0x2a_aaaa, 0x55_5555, 0x7f_fffd, 0x7f_fffe, 0x7f_ffff];
 
     fn guess(a: u32, b: u32, error: i32) -> f32 {
         let (numerator, denominator) = scaled_operands(f32::from_bits(a), f32::from_bits(b));
-        f32::from_bits(
-            (numerator / denominator)
-                .to_bits()
-                .wrapping_add_signed(error),
-        )
+        f32::from_bits((numerator / denominator).to_bits().wrapping_add_signed(error))
     }
 
     fn check(a: u32, b: u32, error: i32) {
         let expected = policy(operand(a) / operand(b));
         let (x, y) = (f32::from_bits(a), f32::from_bits(b));
         let corrected = div_corrected(guess(a, b, error), x, y).to_bits();
-        assert_eq!(
-            corrected, expected,
-            "{a:#010x} / {b:#010x}, guess off by {error}"
-        );
+        assert_eq!(corrected, expected, "{a:#010x} / {b:#010x}, guess off by {error}");
         assert_eq!(div(x, y).to_bits(), expected, "div {a:#010x} / {b:#010x}");
     }
 
@@ -197,10 +181,7 @@ mod tests {
     fn random_significands_with_every_guess_error() {
         let mut lcg = Lcg(4);
         for _ in 0..RANDOM_PAIRS {
-            check_all_errors(
-                0x3f80_0000 | lcg.next_u32() >> 9,
-                0x3f80_0000 | lcg.next_u32() >> 9,
-            );
+            check_all_errors(0x3f80_0000 | lcg.next_u32() >> 9, 0x3f80_0000 | lcg.next_u32() >> 9);
         }
     }
 
@@ -208,10 +189,7 @@ mod tests {
     fn quotients_next_to_halfway_with_every_guess_error() {
         for (a, b) in near_halfway(&mut Lcg(5), 100_000) {
             let nearest = 2 * ((u64::from(a) << (23 + u32::from(a < b))) % u64::from(b));
-            assert!(
-                nearest.abs_diff(u64::from(b)) <= 2,
-                "{a} / {b} is not a hard case"
-            );
+            assert!(nearest.abs_diff(u64::from(b)) <= 2, "{a} / {b} is not a hard case");
             check_all_errors(0x3f00_0000 + a, 0x3f00_0000 + b);
         }
     }
@@ -222,21 +200,14 @@ mod tests {
         let pairs = near_halfway(&mut Lcg(6), 10_000);
         let (mut uncorrected, mut beyond) = (0, 0);
         for &(a, b) in &pairs {
-            let (x, y) = (
-                f32::from_bits(0x3f00_0000 + a),
-                f32::from_bits(0x3f00_0000 + b),
-            );
+            let (x, y) = (f32::from_bits(0x3f00_0000 + a), f32::from_bits(0x3f00_0000 + b));
             let raw = guess(x.to_bits(), y.to_bits(), 1);
             let (numerator, denominator) = scaled_operands(x, y);
             uncorrected += u32::from(raw != numerator / denominator);
             beyond += u32::from(div_corrected(guess(x.to_bits(), y.to_bits(), 40), x, y) != x / y);
         }
         assert_eq!(uncorrected as usize, pairs.len());
-        assert_eq!(
-            beyond as usize,
-            pairs.len(),
-            "a guess out of reach was corrected"
-        );
+        assert_eq!(beyond as usize, pairs.len(), "a guess out of reach was corrected");
     }
 
     #[test]

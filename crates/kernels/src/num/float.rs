@@ -113,10 +113,7 @@ mod tests {
             assert_eq!(is_finite(x), x.is_finite());
             assert_eq!(abs(x).to_bits(), x.abs().to_bits());
             assert_eq!(fsign(x).to_bits(), 1f32.copysign(x).to_bits());
-            assert_eq!(
-                canonical(x).to_bits(),
-                if x.is_nan() { 0x7fc0_0000 } else { bits }
-            );
+            assert_eq!(canonical(x).to_bits(), if x.is_nan() { 0x7fc0_0000 } else { bits });
             assert_eq!(from_total_order_key(total_order_key(x)).to_bits(), bits);
         }
     }
@@ -128,21 +125,14 @@ mod tests {
             let random: [u32; 256] = core::array::from_fn(|_| lcg.next_u32());
             for b in EDGES.into_iter().chain(random) {
                 let (x, y) = (f32::from_bits(a), f32::from_bits(b));
-                assert_eq!(
-                    total_order_key(x).cmp(&total_order_key(y)),
-                    x.total_cmp(&y),
-                    "{a:#x} {b:#x}"
-                );
+                assert_eq!(total_order_key(x).cmp(&total_order_key(y)), x.total_cmp(&y), "{a:#x} {b:#x}");
             }
         }
     }
 
     #[test]
     fn min_and_max_give_the_second_of_equals_and_of_nan() {
-        assert_eq!(
-            (min(1.0, 2.0), min(2.0, 1.0), max(1.0, 2.0), max(2.0, 1.0)),
-            (1.0, 1.0, 2.0, 2.0)
-        );
+        assert_eq!((min(1.0, 2.0), min(2.0, 1.0), max(1.0, 2.0), max(2.0, 1.0)), (1.0, 1.0, 2.0, 2.0));
         assert_eq!(min(0.0, -0.0).to_bits(), SIGN);
         assert_eq!(max(-0.0, 0.0).to_bits(), 0);
         assert_eq!((min(NAN, 3.0), max(NAN, 3.0)), (3.0, 3.0));

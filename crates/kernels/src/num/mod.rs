@@ -19,8 +19,7 @@ mod trig;
 pub use convert::{f32_to_u32_clamped, floor_to_i32, u32_to_unit, ulp_distance};
 pub use div::{div, div_corrected, recip};
 pub use float::{
-    NAN, abs, canonical, flush, from_total_order_key, fsign, is_finite, is_nan, max, min, powi2,
-    total_order_key,
+    NAN, abs, canonical, flush, from_total_order_key, fsign, is_finite, is_nan, max, min, powi2, total_order_key,
 };
 pub use rng::{Rng, pcg4d, sobol2};
 pub use sqrt::{inv_sqrt, sqrt, sqrt_corrected};

@@ -42,12 +42,7 @@ impl Rng {
     #[inline]
     pub fn draw4(&self, dimension: u32) -> [f32; 4] {
         let words = pcg4d([self.index, dimension, self.stream, self.seed]);
-        [
-            u32_to_unit(words[0]),
-            u32_to_unit(words[1]),
-            u32_to_unit(words[2]),
-            u32_to_unit(words[3]),
-        ]
+        [u32_to_unit(words[0]), u32_to_unit(words[1]), u32_to_unit(words[2]), u32_to_unit(words[3])]
     }
 }
 
@@ -60,10 +55,7 @@ impl Rng {
 #[inline]
 pub fn sobol2(i: u32, scramble: [u32; 2]) -> [f32; 2] {
     let x = i.reverse_bits();
-    [
-        u32_to_unit(x ^ scramble[0]),
-        u32_to_unit(pascal(x) ^ scramble[1]),
-    ]
+    [u32_to_unit(x ^ scramble[0]), u32_to_unit(pascal(x) ^ scramble[1])]
 }
 
 /// `v` times Pascal's triangle modulo 2, which is the fifth Kronecker power of its 2 × 2 corner: one step each.
@@ -83,11 +75,7 @@ mod tests {
     const DRAWS: u32 = 1 << 20;
 
     fn rng(index: u32) -> Rng {
-        Rng {
-            seed: 1,
-            stream: 2,
-            index,
-        }
+        Rng { seed: 1, stream: 2, index }
     }
 
     /// The paper's listing, written the way the paper does: in place, over a vector.
@@ -122,25 +110,16 @@ mod tests {
                 squares += u * u;
             }
             let n = f64::from(DRAWS);
-            assert!(
-                (sum / n).abs() < 5.0 * (1.0 / 12.0 / n).sqrt(),
-                "mean of lane {lane}"
-            );
+            assert!((sum / n).abs() < 5.0 * (1.0 / 12.0 / n).sqrt(), "mean of lane {lane}");
             // The variance of (u − ½)² is 1/80 − 1/144 = 1/180.
-            assert!(
-                (squares / n - 1.0 / 12.0).abs() < 5.0 * (1.0 / 180.0 / n).sqrt(),
-                "variance of lane {lane}"
-            );
+            assert!((squares / n - 1.0 / 12.0).abs() < 5.0 * (1.0 / 180.0 / n).sqrt(), "variance of lane {lane}");
         }
     }
 
     /// χ² of 256 cells has mean 255 and standard deviation √510 ≈ 22.6; five of them either way.
     fn assert_even(cells: &[u32; 256], n: u32, what: &str) {
         let expected = f64::from(n) / 256.0;
-        let chi2: f64 = cells
-            .iter()
-            .map(|&c| (f64::from(c) - expected).powi(2) / expected)
-            .sum();
+        let chi2: f64 = cells.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
         assert!((142.0..368.0).contains(&chi2), "{what}: chi-square {chi2}");
     }
 
@@ -155,13 +134,7 @@ mod tests {
         let neighbours: [(&str, Neighbour); 4] = [
             ("indices", |i| rng(i + 1).draw4(0)),
             ("dimensions", |i| rng(i).draw4(1)),
-            ("streams", |i| {
-                Rng {
-                    stream: 3,
-                    ..rng(i)
-                }
-                .draw4(0)
-            }),
+            ("streams", |i| Rng { stream: 3, ..rng(i) }.draw4(0)),
             ("seeds", |i| Rng { seed: 2, ..rng(i) }.draw4(0)),
         ];
         for (what, neighbour) in neighbours {
@@ -184,14 +157,7 @@ mod tests {
     #[test]
     fn first_points() {
         let points = [0, 1, 2, 3, 4, 5].map(|i| sobol2(i, [0; 2]));
-        let expected = [
-            [0.0, 0.0],
-            [0.5, 0.5],
-            [0.25, 0.75],
-            [0.75, 0.25],
-            [0.125, 0.625],
-            [0.625, 0.125],
-        ];
+        let expected = [[0.0, 0.0], [0.5, 0.5], [0.25, 0.75], [0.75, 0.25], [0.125, 0.625], [0.625, 0.125]];
         assert_eq!(points, expected);
         assert_eq!(sobol2(0, [1 << 31, 3 << 30]), [0.5, 0.75]);
     }
@@ -220,10 +186,7 @@ mod tests {
                 let [x, y] = point(i);
                 cells[(x * wide) as usize * high as usize + (y * high) as usize] += 1;
             }
-            bad += cells[..1 << k]
-                .iter()
-                .map(|&c| u32::from(c != 1))
-                .sum::<u32>();
+            bad += cells[..1 << k].iter().map(|&c| u32::from(c != 1)).sum::<u32>();
         }
         bad
     }
@@ -233,11 +196,7 @@ mod tests {
         for scramble in [[0, 0], [0x1234_5678, 0x9abc_def0], [u32::MAX, 1]] {
             for k in [4, 8, 12] {
                 for block in [0, 1, 5] {
-                    assert_eq!(
-                        violations(k, block << k, |i| sobol2(i, scramble)),
-                        0,
-                        "2^{k} points, block {block}"
-                    );
+                    assert_eq!(violations(k, block << k, |i| sobol2(i, scramble)), 0, "2^{k} points, block {block}");
                 }
             }
         }

@@ -43,10 +43,7 @@ pub struct Lcg(pub u64);
 
 impl Lcg {
     pub fn next_u32(&mut self) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 32) as u32
     }
 }
@@ -65,11 +62,7 @@ pub fn policy(native: f32) -> u32 {
 /// `x` with a subnormal replaced by the zero of its sign.
 pub fn operand(bits: u32) -> f32 {
     let x = f32::from_bits(bits);
-    if x.is_subnormal() {
-        f32::from_bits(bits & 0x8000_0000)
-    } else {
-        x
-    }
+    if x.is_subnormal() { f32::from_bits(bits & 0x8000_0000) } else { x }
 }
 
 /// The two 24-bit significands of `count` divisions whose exact quotient lies as near to a rounding boundary as any:

@@ -15,9 +15,7 @@ pub fn sqrt(x: f32) -> f32 {
     }
     // Newton's guess is within 3 ulp, so start 4 too low and leave out the digits 16 and 8.
     let n = scaled_integer(bits);
-    let s = newton(scaled_operand(x))
-        .to_bits()
-        .wrapping_sub(0x3f00_0000 + 4);
+    let s = newton(scaled_operand(x)).to_bits().wrapping_sub(0x3f00_0000 + 4);
     let remainder = n.wrapping_sub(s.wrapping_mul(s));
     pack(bits, finish(s, remainder))
 }
@@ -89,11 +87,7 @@ fn scaled_integer(bits: u32) -> u32 {
 #[inline]
 fn add_digit(s: u32, remainder: u32, digit: u32) -> (u32, u32) {
     let increase = digit.wrapping_mul(s.wrapping_mul(2).wrapping_add(digit));
-    if remainder >= increase {
-        (s.wrapping_add(digit), remainder - increase)
-    } else {
-        (s, remainder)
-    }
+    if remainder >= increase { (s.wrapping_add(digit), remainder - increase) } else { (s, remainder) }
 }
 
 /// The nearest root, from an `s` that is 0..8 too low.
@@ -157,17 +151,13 @@ mod tests {
         for step in 0..1usize << 20 {
             // Dense samples, and the ends of both binades in full.
             let random = 0x3f80_0000 + (lcg.next_u32() >> 8);
-            let end = [0x3f80_0000u32, 0x4000_0000, 0x4080_0000][step % 3]
-                .wrapping_add_signed((step as i32 & 0x7ff) - 1024);
+            let end =
+                [0x3f80_0000u32, 0x4000_0000, 0x4080_0000][step % 3].wrapping_add_signed((step as i32 & 0x7ff) - 1024);
             for error in -8..=8 {
                 let bits = if step < 1 << 13 { end } else { random };
                 let x = f32::from_bits(bits);
                 let corrected = sqrt_corrected(off_by(scaled_operand(x).sqrt(), error), x);
-                assert_eq!(
-                    corrected.to_bits(),
-                    x.sqrt().to_bits(),
-                    "{bits:#010x}, guess off by {error}"
-                );
+                assert_eq!(corrected.to_bits(), x.sqrt().to_bits(), "{bits:#010x}, guess off by {error}");
             }
         }
     }
@@ -207,26 +197,17 @@ mod tests {
             let x = f32::from_bits(bits);
             all += 1;
             uncorrected += u32::from(newton(x) != x.sqrt());
-            beyond +=
-                u32::from(sqrt_corrected(off_by(scaled_operand(x).sqrt(), 40), x) != x.sqrt());
+            beyond += u32::from(sqrt_corrected(off_by(scaled_operand(x).sqrt(), 40), x) != x.sqrt());
         }
-        assert!(
-            uncorrected > all / 100,
-            "Newton's steps alone are off too rarely: {uncorrected} of {all}"
-        );
-        assert_eq!(
-            beyond, all,
-            "a guess beyond the correction's reach went unnoticed"
-        );
+        assert!(uncorrected > all / 100, "Newton's steps alone are off too rarely: {uncorrected} of {all}");
+        assert_eq!(beyond, all, "a guess beyond the correction's reach went unnoticed");
     }
 
     #[test]
     fn inverse_root_bound() {
         for bits in 0x3f80_0000..0x4080_0000 {
             let exact = 1.0 / f64::from(f32::from_bits(bits)).sqrt();
-            let error = inv_sqrt(f32::from_bits(bits))
-                .to_bits()
-                .abs_diff((exact as f32).to_bits());
+            let error = inv_sqrt(f32::from_bits(bits)).to_bits().abs_diff((exact as f32).to_bits());
             assert!(error <= 1, "{bits:#010x}: {error} ulp");
         }
         assert_eq!(inv_sqrt(-0.0).to_bits(), 0xff80_0000);

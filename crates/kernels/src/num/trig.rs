@@ -15,28 +15,20 @@ pub fn sin_cos_turns(t: f32) -> (f32, f32) {
     let quarters = if whole_turns { 0.0 } else { 4.0 * flush(t) };
     // Truncation of |4t| + ½ needs no native `round`. Near a tie the sum's rounding may go either way and does no harm; but
     // from 2²³ on, where 4t is whole, it would be off by one.
-    let half = if quarters.to_bits() & !SIGN < 0x4b00_0000 {
-        0x3f00_0000
-    } else {
-        0
-    };
+    let half = if quarters.to_bits() & !SIGN < 0x4b00_0000 { 0x3f00_0000 } else { 0 };
     let half = f32::from_bits(half | (quarters.to_bits() & SIGN));
     let quadrant = (quarters + half) as i32;
     let r = quarters - quadrant as f32;
     let r2 = r * r;
     let sin = r * (1.570_796_4 + r2 * (-0.645_964_8 + r2 * (0.079_689_88 + r2 * -0.004_622_96)));
-    let cos = 1.0
-        + r2 * (-1.233_700_5 + r2 * (0.253_669_24 + r2 * (-0.020_860_29 + r2 * 0.000_904_021_66)));
+    let cos = 1.0 + r2 * (-1.233_700_5 + r2 * (0.253_669_24 + r2 * (-0.020_860_29 + r2 * 0.000_904_021_66)));
     // sin: quadrants 0 to 3 give s, c, −s, −c; cos: c, −s, −c, s. Swapped by XOR, for the quadrant is as good as random and a
     // branch on it is mispredicted half the time.
     let turn = quadrant as u32;
     let swap = (sin.to_bits() ^ cos.to_bits()) & 0u32.wrapping_sub(turn & 1);
     let s_sign = (turn & 2) << 30;
     let c_sign = (turn.wrapping_add(1) & 2) << 30;
-    (
-        f32::from_bits(sin.to_bits() ^ swap ^ s_sign),
-        f32::from_bits(cos.to_bits() ^ swap ^ c_sign),
-    )
+    (f32::from_bits(sin.to_bits() ^ swap ^ s_sign), f32::from_bits(cos.to_bits() ^ swap ^ c_sign))
 }
 
 #[cfg(test)]
@@ -52,9 +44,7 @@ mod tests {
         assert!(s.abs() <= 1.0 && c.abs() <= 1.0, "{t}: {s}, {c}");
         let norm = f64::from(s) * f64::from(s) + f64::from(c) * f64::from(c);
         assert!((norm - 1.0).abs() <= 2.5e-7, "{t}: s² + c² = {norm}");
-        (f64::from(s) - exact_s)
-            .abs()
-            .max((f64::from(c) - exact_c).abs())
+        (f64::from(s) - exact_s).abs().max((f64::from(c) - exact_c).abs())
     }
 
     #[test]
@@ -72,11 +62,7 @@ mod tests {
             let unit = f32::from_bits(0x3f80_0000 | lcg.next_u32() >> 9) - 1.0;
             let any = f32::from_bits(lcg.next_u32());
             assert!(error(unit) <= 8e-8, "{unit}: {}", error(unit));
-            assert!(
-                !any.is_finite() || error(any) <= 8e-8,
-                "{any}: {}",
-                error(any)
-            );
+            assert!(!any.is_finite() || error(any) <= 8e-8, "{any}: {}", error(any));
         }
     }
 

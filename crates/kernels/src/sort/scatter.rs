@@ -79,8 +79,8 @@ pub fn radix_scatter<L: Lanes<ScatterRegisters>, K: Store<u32> + ?Sized, V: Stor
         let mut smaller_digits = 0;
         let mut d = 0;
         while d < DIGITS {
-            let in_block = shared[(d * SORT_LANES + lane) as usize]
-                + shared[(SUMS + SORT_LANES + d * 16 + lane / 16) as usize];
+            let in_block =
+                shared[(d * SORT_LANES + lane) as usize] + shared[(SUMS + SORT_LANES + d * 16 + lane / 16) as usize];
             next[d as usize] = smaller_digits + offsets[(d * pass.blocks + group) as usize] + in_block;
             smaller_digits += digit_totals[d as usize];
             d += 1;

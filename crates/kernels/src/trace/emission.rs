@@ -64,7 +64,12 @@ pub fn emit(index: u32, pass: &PhotonPass, info: &SceneInfo, lights: &[Light], t
     if pass.rays == RAY_GLOBAL {
         if light.kind == LIGHT_AREA {
             let direction = sample_cosine(normal, aim[0], aim[1]);
-            return Emitted { origin, direction, power: emission * (PI * light.area * share), primitive: light.primitive };
+            return Emitted {
+                origin,
+                direction,
+                power: emission * (PI * light.area * share),
+                primitive: light.primitive,
+            };
         }
         let direction = sample_cone(Vec3::Z, 2.0, aim[0], aim[1]);
         return Emitted { origin, direction, power: emission * (4.0 * PI * share), primitive: NO_LIGHT };

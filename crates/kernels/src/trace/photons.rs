@@ -138,7 +138,8 @@ fn walk<F: FnMut(u32, Photon)>(
         let draw = rng.draw4(2 + bounce);
         if material.kind == MATERIAL_LAMBERTIAN {
             walked.landed = true;
-            let wanted = if pass.rays == RAY_GLOBAL { diffuse_bounces >= pass.stored_from } else { specular_bounces > 0 };
+            let wanted =
+                if pass.rays == RAY_GLOBAL { diffuse_bounces >= pass.stored_from } else { specular_bounces > 0 };
             // What a black surface receives is never seen, and would only be found from the surfaces beside it.
             if wanted && material.survival > 0.0 {
                 store(
