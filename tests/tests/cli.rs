@@ -111,20 +111,56 @@ fn help_teaches() {
     let folder = folder();
     let help = succeeds(&folder, &["--help"]).stdout;
     let parts = [
-        "Usage", "Examples:", "caustic render cornell -o cornell.png", "render", "map", "info", "scene", "Exit codes",
-        "130", "caustic map --photons uniform:1000000",
+        "Usage",
+        "Examples:",
+        "caustic render cornell -o cornell.png",
+        "render",
+        "map",
+        "info",
+        "scene",
+        "Exit codes",
+        "130",
+        "caustic map --photons uniform:1000000",
     ];
     for part in parts {
         assert!(help.contains(part), "no `{part}` in {help}");
     }
     let help = succeeds(&folder, &["render", "--help"]).stdout;
     let flags = [
-        "--output", "--size", "--photons", "--caustic-photons", "--k", "--radius", "--hash", "--gather", "--spp",
-        "--device", "--seed", "--show", "--quiet", "--json",
+        "--output",
+        "--size",
+        "--photons",
+        "--caustic-photons",
+        "--k",
+        "--radius",
+        "--hash",
+        "--gather",
+        "--spp",
+        "--device",
+        "--seed",
+        "--show",
+        "--quiet",
+        "--json",
     ];
     let values = [
-        "WxH", "linear", "teschner", "morton", "heap", "list", "beauty", "direct", "global", "caustic", "map-global",
-        "map-caustic", "auto, cpu, gpu", "gpu:NAME_OR_INDEX", ".png", ".exr", "metres", "scene list",
+        "WxH",
+        "linear",
+        "teschner",
+        "morton",
+        "heap",
+        "list",
+        "beauty",
+        "direct",
+        "global",
+        "caustic",
+        "map-global",
+        "map-caustic",
+        "auto, cpu, gpu",
+        "gpu:NAME_OR_INDEX",
+        ".png",
+        ".exr",
+        "metres",
+        "scene list",
     ];
     for part in flags.iter().chain(&values) {
         assert!(help.contains(part), "no `{part}` in {help}");
@@ -238,7 +274,8 @@ fn json_tells_what_a_render_did() {
     }
     let stages = report["stages"].as_array().expect("a list of stages");
     for name in ["global/store_photons", "caustic/store_photons", "image/trace_camera", "image/develop_film"] {
-        let stage = stages.iter().find(|stage| stage["stage"] == name).unwrap_or_else(|| panic!("no {name}: {stages:?}"));
+        let stage =
+            stages.iter().find(|stage| stage["stage"] == name).unwrap_or_else(|| panic!("no {name}: {stages:?}"));
         assert!(stage["ms"].as_f64() >= Some(0.0), "{stage}");
     }
     let buffers = report["buffers"].as_array().expect("a list of buffers");
@@ -341,15 +378,23 @@ fn bad_scenes_are_refused() {
         ("garbage.toml", garbage, &["not a text file", "UTF-8"]),
         ("nul.toml", vec![0; 64], &["nul.toml:1:", "not valid TOML"]),
         ("picture.png", b"\x89PNG\r\n\x1a\n".to_vec(), &["not a text file"]),
-        ("broken.toml", replaced("[0.8, 0.8, 0.8]", "[0.8, 0.8"), &["broken.toml:8:", "not valid TOML"]),
-        ("misspelt.toml", replaced("reflectance", "reflectence"), &["misspelt.toml:8:1", "did you mean `reflectance`?"]),
+        ("broken.toml", replaced("[0.8, 0.8, 0.8]", "[0.8, 0.8"), &["broken.toml:10:", "not valid TOML"]),
+        (
+            "misspelt.toml",
+            replaced("reflectance", "reflectence"),
+            &["misspelt.toml:8:1", "did you mean `reflectance`?"],
+        ),
         ("kind.toml", replaced("lambertian", "lambert"), &["kind.toml:7:", "one of `lambertian`"]),
         ("bright.toml", replaced("[0.8, 0.8, 0.8]", "[0.8, 1.2, 0.8]"), &["bright.toml:8:", "1.2", "from 0 to 1"]),
         ("type.toml", replaced("= 35", "= \"wide\""), &["type.toml:4:", "vertical_fov_degrees", "number"]),
         ("angle.toml", replaced("= 35", "= 180"), &["angle.toml:4:", "0.01", "179"]),
         ("nan.toml", replaced("[0, 1, 4]", "[0, nan, 4]"), &["nan.toml:2:", "camera.position", "NaN"]),
         ("flat.toml", replaced("edge_v = [2, 0, 0]", "edge_v = [0, 0, 1]"), &["flat.toml:1", "parallel"]),
-        ("unknown.toml", replaced("material = \"white\"", "material = \"whyte\""), &["whyte", "`white`"]),
+        (
+            "unknown.toml",
+            replaced("material = \"white\"", "material = \"whyte\""),
+            &["unknown.toml:14:12", "did you mean \"white\"?"],
+        ),
         ("dark.toml", replaced("radiance = [1, 1, 1]", "radiance = [0, 0, 0]"), &["dark.toml:2", "radiance", "1e-9"]),
         ("void.toml", good.as_bytes().to_vec(), &["stored no photons", "lights face the scene", "--photons"]),
     ];
@@ -511,8 +556,20 @@ mod interrupt {
         for name in ["a.png", "a.exr"] {
             let folder = folder();
             let arguments = [
-                "render", "cornell", "-o", name, "--device", "cpu", "--size", "300x200", "--photons", "2000",
-                "--caustic-photons", "1000", "--spp", "4096",
+                "render",
+                "cornell",
+                "-o",
+                name,
+                "--device",
+                "cpu",
+                "--size",
+                "300x200",
+                "--photons",
+                "2000",
+                "--caustic-photons",
+                "1000",
+                "--spp",
+                "4096",
             ];
             let (run, took) = interrupted(&folder, &arguments, Duration::from_millis(1500));
             println!("stopped after {took:.1?}: {}", run.stderr);

@@ -53,15 +53,7 @@ fn parse(text: &str) -> Scene {
 
 /// Cheap settings for a scene, to be changed where a test needs more.
 fn small(scene: &Scene) -> Settings {
-    Settings {
-        size: [48, 32],
-        photons: 3000,
-        caustic_photons: 1500,
-        k: 50,
-        radius: 0.2,
-        spp: 2,
-        ..Settings::of(scene)
-    }
+    Settings { size: [48, 32], photons: 3000, caustic_photons: 1500, k: 50, radius: 0.2, spp: 2, ..Settings::of(scene) }
 }
 
 fn run(scene: &Scene, settings: &Settings, device: &Device) -> Rendered {
@@ -236,8 +228,7 @@ fn check_density(scene: &Scene, power: f64, irradiance: fn([f64; 2]) -> f64) -> 
     let camera = scene.camera(64, 64);
     let photon = power / f64::from(PHOTONS);
     let at = |i: u32| on_floor(&camera, f64::from(i % 64) + 0.5, f64::from(i / 64) + 0.5);
-    let middle: Vec<u32> =
-        (0..64 * 64).filter(|i| MIDDLE.contains(&(i % 64)) && MIDDLE.contains(&(i / 64))).collect();
+    let middle: Vec<u32> = (0..64 * 64).filter(|i| MIDDLE.contains(&(i % 64)) && MIDDLE.contains(&(i / 64))).collect();
     let exact: Vec<f64> = middle.iter().map(|&i| pixel_mean(&camera, i % 64, i / 64, 4, irradiance)).collect();
 
     let pixel_side = at(1)[0] - at(0)[0];
@@ -353,9 +344,8 @@ fn a_closed_furnace_is_evenly_bright() {
     const SEEDS: u32 = 10;
     let scene = load("furnace");
     let camera = scene.camera(SIDE, SIDE);
-    let pixels: Vec<[f64; 3]> = (0..SIDE * SIDE)
-        .map(|i| on_wall(&camera, f64::from(i % SIDE) + 0.5, f64::from(i / SIDE) + 0.5))
-        .collect();
+    let pixels: Vec<[f64; 3]> =
+        (0..SIDE * SIDE).map(|i| on_wall(&camera, f64::from(i % SIDE) + 0.5, f64::from(i / SIDE) + 0.5)).collect();
     // Distance from the nearest edge, and from the nearest of the two walls that do not make it.
     let from_edge = |at: &[f64; 3]| {
         let mut distances = at.map(|x| 1.0 - x.abs());
@@ -371,8 +361,7 @@ fn a_closed_furnace_is_evenly_bright() {
 
     let part = |show: Show, seed: u32| image(&scene, &Settings { show, seed, ..settings.clone() }, &Device::cpu());
     let average = |picture: &Image, wanted: &dyn Fn(&usize) -> bool| {
-        let values: Vec<f64> =
-            (0..pixels.len()).filter(wanted).map(|i| f64::from(picture.rgb[i][1])).collect();
+        let values: Vec<f64> = (0..pixels.len()).filter(wanted).map(|i| f64::from(picture.rgb[i][1])).collect();
         assert!(values.len() > 3, "only {} pixels", values.len());
         mean(&values)
     };
@@ -416,6 +405,28 @@ fn a_closed_furnace_is_evenly_bright() {
         println!("furnace, {name}, from the map: {ratio:.4} of the truth, SE {se:.4}, expected {bias:.4}");
         assert!((ratio - bias).abs() < 4.0 * se + 0.03, "{name}: {ratio} ± {se}, not {bias}");
     }
+}
+
+#[test]
+#[ignore = "fails: shade_direct draws light and place from one sequence with two digital shifts, so each light is only seen in part"]
+fn direct_light_of_many_lights_converges_in_each_pixel() {
+    let scene = load("furnace");
+    // The root mean square error of the pixels, the truth being 0.75, away from edges, where 1 / d² has no bound.
+    let error = |spp: u32| {
+        let settings = Settings { size: [16, 16], spp, show: Show::Direct, ..small(&scene) };
+        let picture = image(&scene, &settings, &Device::cpu());
+        let camera = scene.camera(16, 16);
+        let inner = (0..256u32).filter(|&i| {
+            let mut at = on_wall(&camera, f64::from(i % 16) + 0.5, f64::from(i / 16) + 0.5).map(f64::abs);
+            at.sort_by(f64::total_cmp);
+            at[1] < 0.7
+        });
+        mean(&inner.map(|i| (f64::from(picture.rgb[i as usize][1]) - 0.75).powi(2)).collect::<Vec<_>>()).sqrt()
+    };
+    let errors = [16, 256, 4096].map(error);
+    println!("root mean square errors at 16, 256 and 4096 samples a pixel: {errors:.5?}");
+    // Random numbers would make it 4 times less each time, a sequence more.
+    assert!(errors[1] < errors[0] / 3.0 && errors[2] < errors[1] / 3.0, "{errors:?}");
 }
 
 /// A mean radiance and its standard error, from the reference.
@@ -507,8 +518,7 @@ fn the_parts_add_up_to_the_picture() {
     let scene = load("cornell");
     let settings = Settings { spp: 4, ..small(&scene) };
     let picture = |show| image(&scene, &Settings { show, ..settings.clone() }, &Device::cpu());
-    let [beauty, direct, global, caustic] =
-        [Show::Beauty, Show::Direct, Show::Global, Show::Caustic].map(picture);
+    let [beauty, direct, global, caustic] = [Show::Beauty, Show::Direct, Show::Global, Show::Caustic].map(picture);
     // Sums of positive terms in another order: each of at most 2·spp + 6 additions and products is off by half an ulp.
     let rounding = f64::from(2 * settings.spp + 6) * f64::from(f32::EPSILON);
     for (i, &whole) in floats(&beauty).iter().enumerate() {
