@@ -476,7 +476,7 @@ fn bad_input_of_map_is_refused() {
         ("words.txt", &["words.txt", "line 1", "x y z"]),
         ("garbage.bin", &["garbage.bin", "UTF-8", "x y z"]),
         ("nan.txt", &["photon", "finite"]),
-        ("far.txt", &["cells along an axis", "use a radius of at least"]),
+        ("far.txt", &["cells along an axis", "--radius of at least"]),
         (".", &["x y z"]),
         ("uniform:0", &["uniform:0", "1 to 268435456"]),
         ("uniform:many", &["uniform:many", "1 to 268435456"]),

@@ -101,7 +101,9 @@ fn the_gpu_fills_its_larger_containers() {
     let Some(gpu) = gpu() else { return };
     let largest = !limits_loops(gpu) || std::env::var("CAUSTIC_TEST_SLOW").is_ok_and(|value| value == "1");
     if !largest {
-        eprintln!("SKIPPED on llvmpipe without CAUSTIC_TEST_SLOW=1: containers of 1025, which take it minutes to compile");
+        eprintln!(
+            "SKIPPED on llvmpipe without CAUSTIC_TEST_SLOW=1: containers of 1025, which take it minutes to compile"
+        );
     }
     let runs = [(1200, Gather::Heap, [65, 255, 1024]), (300, Gather::List, [65, 255, 270])];
     for (n, gather, ks) in runs {

@@ -408,7 +408,6 @@ fn a_closed_furnace_is_evenly_bright() {
 }
 
 #[test]
-#[ignore = "fails: shade_direct draws light and place from one sequence with two digital shifts, so each light is only seen in part"]
 fn direct_light_of_many_lights_converges_in_each_pixel() {
     let scene = load("furnace");
     // The root mean square error of the pixels, the truth being 0.75, away from edges, where 1 / d² has no bound.

@@ -42,7 +42,7 @@ pub enum MapError {
     },
     /// The radius is too small for the extent of the photons.
     #[error(
-        "the radius {radius} m cuts the map's {extent} m into {cells} cells along an axis but at most {max} are possible; use a radius of at least {least} m"
+        "the radius {radius} m cuts the map's {extent:e} m into {cells:e} cells along an axis but at most {max} are possible; use a --radius of at least {least:.4e} m"
     )]
     TooManyCells {
         /// Radius, m.

@@ -57,7 +57,8 @@ pub fn plan_grid(low: [f32; 3], high: [f32; 3], photons: u64, options: &MapOptio
             extent,
             cells: inner.ceil(),
             max: most,
-            least: extent / f64::from(most - 2),
+            // A thousandth more, so that its first digits are enough.
+            least: 1.001 * extent / f64::from(most - 2),
         });
     }
     // (x − origin)·s has a relative error of 2⁻²³ at most, hence an absolute one of inner·2⁻²³ cells, for each of two points;

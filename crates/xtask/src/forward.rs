@@ -176,7 +176,11 @@ mod tests {
             b.f_mul(float, None, whole, whole).unwrap();
         });
         composites(&mut module);
-        assert_eq!(count(&module, Op::CompositeExtract), 2, "the element that nobody inserted is still taken from the part");
+        assert_eq!(
+            count(&module, Op::CompositeExtract),
+            2,
+            "the element that nobody inserted is still taken from the part"
+        );
         assert_eq!(count(&module, Op::CompositeInsert), 1, "and the second insertion, which nothing needs, is gone");
     }
 

@@ -3,16 +3,23 @@
 use super::Selection;
 use crate::grid::{Grid, HASH_LINEAR, cell_of, hash_cell, least_distance2, neighbour_cell};
 use crate::layout::Photon;
-use crate::num::flush;
 
-/// Squared distance of two points, m². Subnormal squares count as zero, since not every device has them.
+/// Squared distance of two points, m². A difference below 2⁻⁶³ m along an axis counts as none: its square would be subnormal,
+/// and not every device has such numbers.
 #[inline]
 #[must_use]
 pub fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let x = a[0] - b[0];
-    let y = a[1] - b[1];
-    let z = a[2] - b[2];
-    flush(x * x + y * y + z * z)
+    let x = square(a[0] - b[0]);
+    let y = square(a[1] - b[1]);
+    let z = square(a[2] - b[2]);
+    x + y + z
+}
+
+/// The square of `x`, zero or normal: (2⁻⁶³)² is the smallest normal number.
+#[inline]
+fn square(x: f32) -> f32 {
+    const LEAST: u32 = (127 - 63) << 23;
+    if x.to_bits() & 0x7fff_ffff < LEAST { 0.0 } else { x * x }
 }
 
 /// Offers `selection` every photon within the grid's radius of `position` (section 3.1.3).

@@ -21,7 +21,7 @@ pub use div::{div, div_corrected, recip};
 pub use float::{
     NAN, abs, canonical, flush, from_total_order_key, fsign, is_finite, is_nan, max, min, powi2, total_order_key,
 };
-pub use rng::{Rng, pcg4d, sobol2};
+pub use rng::{Rng, pcg4d, shuffle_index, sobol2};
 pub use sqrt::{inv_sqrt, sqrt, sqrt_corrected};
 pub use sum::{MAX_TERMS, Sum};
 pub use trig::sin_cos_turns;

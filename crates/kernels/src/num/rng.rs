@@ -68,6 +68,20 @@ fn pascal(v: u32) -> u32 {
     v ^ ((v & 0x5555_5555) << 1)
 }
 
+/// Shuffles the indices of a sequence so that every aligned block of 2ⁿ of them stays one: the shuffled [`sobol2`] is a
+/// (0, 2)-sequence too, and sequences shuffled with different keys can be used side by side for one integral (Burley,
+/// "Practical Hash-based Owen Scrambling", JCGT 2020; the hash is that of Laine and Karras).
+#[inline]
+#[must_use]
+pub fn shuffle_index(i: u32, key: u32) -> u32 {
+    let mut x = i.reverse_bits().wrapping_add(key);
+    x ^= x.wrapping_mul(0x6c50_b47c);
+    x ^= x.wrapping_mul(0xb82f_1e52);
+    x ^= x.wrapping_mul(0xc7af_e638);
+    x ^= x.wrapping_mul(0x8d22_f6e6);
+    x.reverse_bits()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -202,5 +216,28 @@ mod tests {
         }
         // Random points must fail the same test.
         assert!(violations(8, 0, |i| [rng(i).draw4(0)[0], rng(i).draw4(0)[1]]) > 100);
+    }
+
+    #[test]
+    fn shuffled_sequences_stay_stratified_and_part_from_each_other() {
+        for key in [0, 1, 0x1234_5678, 0xffff_ffff] {
+            // 256 points: one in each of the 16 × 16 cells.
+            let mut cells = [0u32; 256];
+            for i in 0..256 {
+                let [x, y] = sobol2(shuffle_index(i, key), [0x9e37_79b9, 0x7f4a_7c15]);
+                cells[(x * 16.0) as usize * 16 + (y * 16.0) as usize] += 1;
+            }
+            assert_eq!(cells, [1; 256], "key {key:#x}");
+        }
+        // Unshuffled, x of the one sequence fixes the stratum of x of the other; shuffled, all pairs of strata occur.
+        let pairs = |keys: [u32; 2]| {
+            let mut seen = [false; 64];
+            for i in 0..4096 {
+                let [a, b] = keys.map(|key| sobol2(if key == 0 { i } else { shuffle_index(i, key) }, [0, 0])[0]);
+                seen[(a * 8.0) as usize * 8 + (b * 8.0) as usize] = true;
+            }
+            seen.into_iter().filter(|&seen| seen).count()
+        };
+        assert_eq!((pairs([0, 0]), pairs([77, 1234])), (8, 64));
     }
 }

@@ -7,7 +7,7 @@ use super::vector::{dot, normalize};
 use super::{MAX_BOUNCES, STATUS_CAMERA_PATHS_CUT};
 use crate::exec::{Store, Tally};
 use crate::layout::Query;
-use crate::num::{Rng, div, pcg4d, sobol2};
+use crate::num::{Rng, div, pcg4d, shuffle_index, sobol2};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -128,11 +128,11 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized, S: Tall
     vertices.set(i, vertex);
 }
 
-/// Sample `sample` of a pixel's own scrambled (0, 2)-sequence: the samples of a pixel are stratified, and those of
-/// different pixels and purposes are independent.
+/// Sample `sample` of a pixel's own shuffled and scrambled (0, 2)-sequence: the samples of a pixel are stratified, and those
+/// of different pixels and purposes are independent.
 #[inline]
 #[must_use]
 pub(super) fn pixel_sobol(pixel: u32, sample: u32, seed: u32, key: u32) -> [f32; 2] {
     let scramble = pcg4d([pixel, key, seed, STREAM]);
-    sobol2(sample, [scramble[0], scramble[1]])
+    sobol2(shuffle_index(sample, scramble[2]), [scramble[0], scramble[1]])
 }

@@ -70,6 +70,7 @@ fn intersect(origin: Vec3, direction: Vec3, primitive: &Primitive) -> f32 {
         let local = origin + direction * t - position;
         let u = dot(local, Vec3::from_array(primitive.duals[0]));
         let v = dot(local, Vec3::from_array(primitive.duals[1]));
+        #[allow(clippy::manual_range_contains)] // plain comparisons, without a range between them and the GPU
         if u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0 {
             return t;
         }
