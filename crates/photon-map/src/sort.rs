@@ -12,7 +12,8 @@ pub struct RadixSort {
 }
 
 impl RadixSort {
-    /// Appends the passes that sort the `count` keys in `keys` by their lowest `bits` bits. `keys` is overwritten.
+    /// Appends the passes that sort the `count` keys in `keys` by their lowest `bits` bits, rounded up to
+    /// whole digits. `keys` is overwritten.
     ///
     /// # Errors
     /// Those of [`Device::buffer`].
