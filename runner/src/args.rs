@@ -89,7 +89,7 @@ pub struct RenderArguments {
     /// Hash function of the photon maps: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
     pub hash: HashArgument,
-    /// Container that collects the nearest photons: the image does not depend on it.
+    /// How the nearest photons are found: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
     pub gather: GatherArgument,
     /// Camera samples a pixel: more smooth edges, soft shadows and reflections.
@@ -166,8 +166,12 @@ impl From<HashArgument> for Hash {
 
 #[derive(Clone, Copy, Default, ValueEnum)]
 pub enum GatherArgument {
-    /// A max-heap in a fixed-size array.
+    /// The histogram on a GPU, the heap on the CPU.
     #[default]
+    Auto,
+    /// Distances are counted, without a container.
+    Histogram,
+    /// A max-heap in a fixed-size array.
     Heap,
     /// The sorted list of the thesis.
     List,
@@ -176,6 +180,8 @@ pub enum GatherArgument {
 impl From<GatherArgument> for Gather {
     fn from(gather: GatherArgument) -> Self {
         match gather {
+            GatherArgument::Auto => Self::Auto,
+            GatherArgument::Histogram => Self::Histogram,
             GatherArgument::Heap => Self::Heap,
             GatherArgument::List => Self::List,
         }

@@ -10,9 +10,10 @@ use caustic_kernels::exec::Invocation;
 use caustic_kernels::gather::*;
 use caustic_kernels::grid::{self, *};
 use caustic_kernels::layout::*;
+use caustic_kernels::probe::*;
 use caustic_kernels::sort::{self, *};
 use caustic_kernels::trace::{self, *};
-use caustic_kernels::{gather, stages};
+use caustic_kernels::{gather, probe, stages};
 use glam::UVec3;
 use spirv_std::spirv;
 
@@ -25,9 +26,6 @@ macro_rules! buffer {
         &[$t]
     };
     (Out $t:ty) => {
-        &mut [$t]
-    };
-    (Sum $t:ty) => {
         &mut [$t]
     };
 }

@@ -40,7 +40,7 @@ fn entry_points_write_what_their_kernels_write() {
         for (i, binding) in kernel.bindings().iter().enumerate() {
             let expected = match binding.access {
                 Access::One | Access::In => "read",
-                Access::Out | Access::Sum => "read_write",
+                Access::Out => "read_write",
             };
             let found = &entry["bindings"][i];
             assert_eq!(found["access"], expected, "{}: `{}`", kernel.entry_point(), binding.name);

@@ -4,9 +4,10 @@ use crate::cpu::{Bound, Groups};
 use caustic_kernels::gather::*;
 use caustic_kernels::grid::{self, *};
 use caustic_kernels::layout::*;
+use caustic_kernels::probe::*;
 use caustic_kernels::sort::{self, *};
 use caustic_kernels::trace::{self, *};
-use caustic_kernels::{gather, stages};
+use caustic_kernels::{gather, probe, stages};
 
 /// How a stage uses a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,8 +18,6 @@ pub enum Access {
     In,
     /// Records, written and not read.
     Out,
-    /// Counters, added to.
-    Sum,
 }
 
 /// A buffer of a stage.
@@ -97,9 +96,6 @@ macro_rules! bind {
     (Out $t:ty, $bound:expr) => {
         $bound.write::<$t>()
     };
-    (Sum $t:ty, $bound:expr) => {
-        $bound.write::<$t>()
-    };
 }
 
 /// Hands a buffer to a body: each call has its own handle of what is written.
@@ -111,9 +107,6 @@ macro_rules! pass {
         $arg
     };
     (Out $arg:ident) => {
-        &mut $arg.clone()
-    };
-    (Sum $arg:ident) => {
         &mut $arg.clone()
     };
 }

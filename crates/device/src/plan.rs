@@ -55,7 +55,7 @@ impl Plan {
         let bindings = kernel.bindings();
         assert_eq!(bindings.len(), buffers.len(), "{}: number of buffers", kernel.entry_point());
         for (i, (written, binding)) in buffers.iter().zip(bindings).enumerate() {
-            if matches!(binding.access, Access::Out | Access::Sum) {
+            if binding.access == Access::Out {
                 let shared = buffers.iter().enumerate().any(|(j, other)| i != j && written.is(other));
                 assert!(!shared, "{}: `{}` is written and bound twice", kernel.entry_point(), binding.name);
             }

@@ -20,14 +20,6 @@ pub trait Store<T> {
     fn set(&mut self, i: u32, value: T);
 }
 
-/// A stage's counters: sums of `u32` to which many invocations add. Addition commutes, so the schedule does not show.
-pub trait Tally {
-    /// Adds `n` to counter `i`. Nothing is returned: an order of arrival must not leak into a result.
-    fn add(&mut self, i: u32, n: u32);
-    /// Raises counter `i` to at least `n`.
-    fn max(&mut self, i: u32, n: u32);
-}
-
 impl<T: Copy> Store<T> for [T] {
     #[inline]
     fn set(&mut self, i: u32, value: T) {
@@ -58,22 +50,6 @@ impl<R> Lanes<R> for Invocation<R> {
     fn each<S: ?Sized, F: FnMut(u32, &mut R, &mut S)>(&mut self, shared: &mut S, mut phase: F) {
         phase(self.lane, &mut self.registers, shared);
         spirv_std::arch::workgroup_memory_barrier_with_group_sync();
-    }
-}
-
-/// Relaxed atomics (semantics 0): the counters are read only after the submission has ended. Their scope is QueueFamily (5),
-/// the widest that needs no further capability; `cargo xtask shaders` makes it Device, which the GLSL memory model has.
-#[cfg(target_arch = "spirv")]
-#[allow(unsafe_code)] // an atomic on an element of a storage buffer; the index is bounds-checked by the slice
-impl Tally for [u32] {
-    #[inline]
-    fn add(&mut self, i: u32, n: u32) {
-        unsafe { spirv_std::arch::atomic_i_add::<u32, 5, 0>(&mut self[i as usize], n) };
-    }
-
-    #[inline]
-    fn max(&mut self, i: u32, n: u32) {
-        unsafe { spirv_std::arch::atomic_u_max::<u32, 5, 0>(&mut self[i as usize], n) };
     }
 }
 

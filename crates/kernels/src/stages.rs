@@ -7,7 +7,7 @@
 /// * the shape is `each` (one invocation an element), `group (registers; shared)` (a workgroup in phases) or
 ///   `gather (container)` (like `each`, with a container of candidates as its first parameter);
 /// * a parameter `b name: Access T` is the buffer of binding `b`: `One T` a single record and `In T` a slice, both read;
-///   `Out T` a slice that the stage writes and does not read; `Sum u32` counters.
+///   `Out T` a slice that the stage writes and does not read.
 ///
 /// The order of the bindings is the order of the body's parameters. This list is the only place that says which buffers
 /// a stage has.
@@ -36,6 +36,10 @@ macro_rules! stages {
                 0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 sorted: Out Photon
             ) = grid::reorder_photons;
 
+            each IrradianceHistogram = irradiance_histogram [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
+                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            ) = gather::gather_irradiance_by_counting;
             gather(Heap<17>) IrradianceHeap17 = irradiance_heap_17 [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
                 5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
@@ -103,7 +107,7 @@ macro_rules! stages {
 
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 materials: In Material,
-                4 lights: In Light, 5 targets: In Target, 6 counts: Out u32, 7 status: Sum u32
+                4 lights: In Light, 5 targets: In Target, 6 counts: Out u32, 7 fates: Out u32
             ) = trace::count_photons;
             each StorePhotons = store_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 materials: In Material,
@@ -111,8 +115,7 @@ macro_rules! stages {
             ) = trace::store_photons;
             each TraceCamera = trace_camera [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 queries: Out Query, 7 vertices: Out Vertex,
-                8 status: Sum u32
+                4 materials: In Material, 5 lights: In Light, 6 queries: Out Query, 7 vertices: Out Vertex
             ) = trace::trace_camera;
             each ShadeDirect = shade_direct [64] (
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 lights: In Light,
@@ -120,8 +123,27 @@ macro_rules! stages {
             ) = trace::shade_direct;
             each DevelopFilm = develop_film [64] (
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
-                4 caustic: In Irradiance, 5 film: Out Pixel, 6 status: Sum u32
+                4 caustic: In Irradiance, 5 film: Out Pixel
             ) = trace::develop_film;
+
+            each ProbeArithmetic = probe_arithmetic [64] (
+                0 params: One ArithmeticParams, 1 results: Out Arithmetic
+            ) = probe::arithmetic;
+            each LayoutMap = layout_map [64] (
+                0 photons: In Photon, 1 queries: In Query, 2 neighbours: In Neighbour, 3 irradiance: In Irradiance,
+                4 grid: In Grid, 5 gather: In GatherParams, 6 words: Out u32
+            ) = probe::layout_map;
+            each LayoutSort = layout_sort [64] (
+                0 radix: In RadixPass, 1 scan: In ScanParams, 2 pass: In PhotonPass, 3 targets: In Target, 4 words: Out u32
+            ) = probe::layout_sort;
+            each LayoutScene = layout_scene [64] (
+                0 info: In SceneInfo, 1 primitives: In Primitive, 2 materials: In Material, 3 lights: In Light,
+                4 words: Out u32
+            ) = probe::layout_scene;
+            each LayoutFilm = layout_film [64] (
+                0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,
+                5 words: Out u32
+            ) = probe::layout_film;
         }
     };
 }

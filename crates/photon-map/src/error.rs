@@ -84,6 +84,14 @@ pub enum MapError {
         /// Most there may be.
         max: u32,
     },
+    /// The device did not run loops to their end.
+    #[error("{device} ended {searches} searches before their end, as llvmpipe does after 65,535 steps; use --device cpu, or fewer photons or a smaller radius")]
+    CutShort {
+        /// The device.
+        device: String,
+        /// Searches that it ended early.
+        searches: usize,
+    },
     /// The device failed.
     #[error(transparent)]
     Device(#[from] caustic_device::Error),

@@ -4,7 +4,7 @@ use crate::grid::{MAX_PHOTONS, bounds, plan_grid};
 use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
-use caustic_kernels::gather::GatherParams;
+use caustic_kernels::gather::{CUT_SHORT, GatherParams};
 use caustic_kernels::grid::Grid;
 use caustic_kernels::layout::{Irradiance, Neighbour, Photon, Query};
 
@@ -92,7 +92,7 @@ impl PhotonMap {
         gather: Gather,
         out: &Buffer,
     ) -> Result<(), MapError> {
-        let kernel = irradiance_kernel(gather, k)?;
+        let kernel = irradiance_kernel(gather, k, device.is_gpu())?;
         let params = device.upload("gather: params", &[GatherParams { queries: count, k }])?;
         plan.each(
             kernel,
@@ -105,7 +105,7 @@ impl PhotonMap {
     /// The irradiance at each query, estimated from `k` photons.
     ///
     /// # Errors
-    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`] and [`MapError::Device`].
+    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
     pub fn irradiance(
         &self,
         device: &Device,
@@ -119,13 +119,15 @@ impl PhotonMap {
         let mut plan = Plan::new();
         self.plan_irradiance(device, &mut plan, &query_buffer, count, k, gather, &out)?;
         device.run(&plan)?;
-        Ok(device.read(&out, u64::from(count))?)
+        let estimates: Vec<Irradiance> = device.read(&out, u64::from(count))?;
+        whole(device, estimates.iter().map(|estimate| estimate.photons))?;
+        Ok(estimates)
     }
 
     /// The `k` nearest photons of each query within the map's radius, nearest first, ties by index.
     ///
     /// # Errors
-    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`] and [`MapError::Device`].
+    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
     pub fn k_nearest(
         &self,
         device: &Device,
@@ -152,12 +154,21 @@ impl PhotonMap {
         );
         device.run(&plan)?;
         let counts: Vec<u32> = device.read(&counts, u64::from(count))?;
+        whole(device, counts.iter().copied())?;
         let neighbours: Vec<Neighbour> = device.read(&neighbours, rows)?;
         Ok(counts
             .iter()
             .zip(neighbours.chunks(k as usize))
             .map(|(&found, row)| row[..found as usize].to_vec())
             .collect())
+    }
+}
+
+/// Refuses results of searches that the device ended early.
+fn whole(device: &Device, counts: impl Iterator<Item = u32>) -> Result<(), MapError> {
+    match counts.filter(|&count| count == CUT_SHORT).count() {
+        0 => Ok(()),
+        searches => Err(MapError::CutShort { device: device.name(), searches }),
     }
 }
 

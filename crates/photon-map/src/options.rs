@@ -20,11 +20,16 @@ pub enum Hash {
     Morton,
 }
 
-/// The container that collects candidates. Both give the same bits.
+/// How the nearest photons are found. All give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
-    /// A max-heap in a fixed-size array (thesis, section 5.6).
+    /// Whichever is faster: for estimates the histogram on a GPU and the heap on the CPU; for neighbours the heap.
     #[default]
+    Auto,
+    /// By counting distances, without a container. It serves estimates; where the neighbours themselves are asked for, the heap
+    /// stands in for it.
+    Histogram,
+    /// A max-heap in a fixed-size array (thesis, section 5.6).
     Heap,
     /// The sorted list of the thesis (section 3.1.3).
     List,
@@ -64,19 +69,25 @@ pub fn capacity(k: u32) -> Result<u32, MapError> {
 }
 
 /// The kernel that estimates irradiance from `k` photons.
-pub(crate) fn irradiance_kernel(gather: Gather, k: u32) -> Result<Kernel, MapError> {
+pub(crate) fn irradiance_kernel(gather: Gather, k: u32, gpu: bool) -> Result<Kernel, MapError> {
     if k == 0 || k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
+    let gather = match gather {
+        Gather::Auto if gpu => Gather::Histogram,
+        Gather::Auto => Gather::Heap,
+        chosen => chosen,
+    };
     Ok(match (gather, capacity(k + 1)?) {
+        (Gather::Histogram, _) => Kernel::IrradianceHistogram,
         (Gather::Heap, 17) => Kernel::IrradianceHeap17,
         (Gather::Heap, 65) => Kernel::IrradianceHeap65,
         (Gather::Heap, 257) => Kernel::IrradianceHeap257,
         (Gather::Heap, _) => Kernel::IrradianceHeap1025,
-        (Gather::List, 17) => Kernel::IrradianceList17,
-        (Gather::List, 65) => Kernel::IrradianceList65,
-        (Gather::List, 257) => Kernel::IrradianceList257,
-        (Gather::List, _) => Kernel::IrradianceList1025,
+        (_, 17) => Kernel::IrradianceList17,
+        (_, 65) => Kernel::IrradianceList65,
+        (_, 257) => Kernel::IrradianceList257,
+        (_, _) => Kernel::IrradianceList1025,
     })
 }
 
@@ -85,14 +96,15 @@ pub(crate) fn neighbours_kernel(gather: Gather, k: u32) -> Result<Kernel, MapErr
     if k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
-    Ok(match (gather, capacity(k)?) {
+    let container = if gather == Gather::List { Gather::List } else { Gather::Heap };
+    Ok(match (container, capacity(k)?) {
         (Gather::Heap, 17) => Kernel::NeighboursHeap17,
         (Gather::Heap, 65) => Kernel::NeighboursHeap65,
         (Gather::Heap, 257) => Kernel::NeighboursHeap257,
         (Gather::Heap, _) => Kernel::NeighboursHeap1025,
-        (Gather::List, 17) => Kernel::NeighboursList17,
-        (Gather::List, 65) => Kernel::NeighboursList65,
-        (Gather::List, 257) => Kernel::NeighboursList257,
-        (Gather::List, _) => Kernel::NeighboursList1025,
+        (_, 17) => Kernel::NeighboursList17,
+        (_, 65) => Kernel::NeighboursList65,
+        (_, 257) => Kernel::NeighboursList257,
+        (_, _) => Kernel::NeighboursList1025,
     })
 }

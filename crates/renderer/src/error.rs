@@ -40,6 +40,14 @@ pub enum RenderError {
         /// A value at which they would fit.
         emitted: u64,
     },
+    /// The device did not run loops to their end, so the image is wrong.
+    #[error("{device} ended {searches} searches before their end, as llvmpipe does after 65,535 steps; use --device cpu, or fewer photons or a smaller --radius")]
+    CutShort {
+        /// The device.
+        device: String,
+        /// Searches and shadow rays that it ended early.
+        searches: u64,
+    },
     /// The caller asked to stop before there was an image.
     #[error("interrupted before there was an image")]
     Interrupted,

@@ -6,7 +6,7 @@ use crate::{RenderError, Settings};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{PhotonPass, STATUS_PHOTON_PATHS_CUT, STATUS_PHOTON_PATHS_LANDED, STATUS_WORDS};
+use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass};
 use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
@@ -71,7 +71,6 @@ pub(crate) fn photon_map(
         bytes: 0,
     };
     let emitted = kind.emitted;
-    let status = device.upload("status", &[0u32; STATUS_WORDS as usize])?;
     let counts = device.buffer::<u32>("photon counts", u64::from(emitted))?;
     let chunks: Vec<PhotonPass> = (0..emitted.div_ceil(CHUNK))
         .map(|chunk| {
@@ -88,6 +87,8 @@ pub(crate) fn photon_map(
     };
     let SceneBuffers { info, primitives, materials, lights, targets } = buffers;
 
+    let fates = device.buffer::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
+    let mut landed = 0u64;
     for (i, pass) in chunks.iter().enumerate() {
         tick(i)?;
         let params = device.upload("photon pass", &[*pass])?;
@@ -96,10 +97,16 @@ pub(crate) fn photon_map(
         plan.each(
             Kernel::CountPhotons,
             pass.paths,
-            &[&params, info, primitives, materials, lights, targets, &counts, &status],
+            &[&params, info, primitives, materials, lights, targets, &counts, &fates],
         );
+        let [_, _, block_fates] = scan(device, &mut plan, &fates, pass.paths)?;
         device.run(&plan)?;
+        for fates in device.read::<u32>(&block_fates, u64::from(pass.paths.div_ceil(SCAN_BLOCK)))? {
+            landed += u64::from(fates % FATE_CUT / FATE_LANDED);
+            report.paths_cut += fates / FATE_CUT;
+        }
     }
+    drop(fates);
     let mut plan = Plan::new();
     plan.scope(kind.map);
     let [offsets, block_offsets, block_totals] = scan(device, &mut plan, &counts, emitted)?;
@@ -107,8 +114,6 @@ pub(crate) fn photon_map(
     drop(counts);
 
     // The one read-back: how many photons there are, so that the map has exactly the size it needs.
-    let words: Vec<u32> = device.read(&status, u64::from(STATUS_WORDS))?;
-    report.paths_cut = words[STATUS_PHOTON_PATHS_CUT as usize];
     let totals: Vec<u32> = device.read(&block_totals, u64::from(emitted.div_ceil(SCAN_BLOCK)))?;
     let stored: u64 = totals.iter().map(|&total| u64::from(total)).sum();
     if stored > u64::from(MAX_STORED) {
@@ -116,7 +121,7 @@ pub(crate) fn photon_map(
         let (map, flag) = (kind.map, kind.flag);
         return Err(RenderError::TooManyPhotons { map, stored, max: MAX_STORED, flag, emitted: fits });
     }
-    if words[STATUS_PHOTON_PATHS_LANDED as usize] == 0 && kind.stored_from == 1 {
+    if landed == 0 && kind.stored_from == 1 {
         let remedy =
             "none of them met a diffuse surface; see that the lights face the scene, or emit more with --photons";
         return Err(RenderError::NoPhotons { map: kind.map, emitted, remedy });

@@ -8,8 +8,7 @@ use crate::{RenderError, Settings, Show};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::{Irradiance, Query};
 use caustic_kernels::trace::{
-    CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, RAY_CAUSTIC, RAY_GLOBAL,
-    STATUS_CAMERA_PATHS_CUT, STATUS_NOT_FINITE, STATUS_WORDS, Vertex,
+    CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, RAY_CAUSTIC, RAY_GLOBAL, Vertex,
 };
 use caustic_photon_map::PhotonMap;
 use std::time::Instant;
@@ -54,17 +53,24 @@ pub fn render(
     }
 
     let camera = Camera { device, scene, buffers: &buffers, settings };
-    let (image, status, complete) = camera.image(global.as_ref(), caustic.as_ref(), progress)?;
-    let cut = status[STATUS_CAMERA_PATHS_CUT as usize];
-    if cut > 0 {
-        notes.push(format!("{cut} camera paths were given up among mirrors and glass; they count as black"));
+    let (film, complete) = camera.film(global.as_ref(), caustic.as_ref(), progress)?;
+    let count = |of: fn(&Pixel) -> u32| film.iter().map(|pixel| u64::from(of(pixel))).sum::<u64>();
+    let cut_short = count(|pixel| pixel.cut_short);
+    if cut_short > 0 {
+        return Err(RenderError::CutShort { device: device.name(), searches: cut_short });
     }
-    let not_finite = status[STATUS_NOT_FINITE as usize];
+    let lost = count(|pixel| pixel.lost);
+    if lost > 0 {
+        notes.push(format!("{lost} camera paths were given up among mirrors and glass; they count as black"));
+    }
+    let not_finite = count(|pixel| pixel.not_finite);
     if not_finite > 0 {
         notes.push(format!(
             "{not_finite} camera samples were not finite and count as black: a radius or power is extreme"
         ));
     }
+    let [width, height] = settings.size;
+    let image = Image { width, height, rgb: film.iter().map(|pixel| pixel.rgb).collect() };
     let report = RenderReport {
         device: device.name(),
         complete,
@@ -148,13 +154,13 @@ struct Camera<'a> {
 }
 
 impl Camera<'_> {
-    /// Renders the image and returns it with the status words and whether it is whole.
-    fn image(
+    /// Renders the film and returns it with whether it is whole.
+    fn film(
         &self,
         global: Option<&PhotonMap>,
         caustic: Option<&PhotonMap>,
         progress: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<(Image, Vec<u32>, bool), RenderError> {
+    ) -> Result<(Vec<Pixel>, bool), RenderError> {
         let Self { device, settings, .. } = *self;
         let [width, height] = settings.size;
         let pixels = width * height;
@@ -168,9 +174,8 @@ impl Camera<'_> {
         let tile_buffer = device.buffer::<CameraTile>("camera tile", 1)?;
         let film_tile_buffer = device.buffer::<FilmTile>("camera tile of film", 1)?;
         let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
-        let status = device.upload("status", &[0u32; STATUS_WORDS as usize])?;
         let maps = [global, caustic];
-        let plan = self.tile_plan(tile_pixels, parts, maps, [&tile_buffer, &film_tile_buffer, &film, &status])?;
+        let plan = self.tile_plan(tile_pixels, parts, maps, [&tile_buffer, &film_tile_buffer, &film])?;
 
         let tiles = pixels.div_ceil(tile_pixels);
         let mut complete = true;
@@ -185,9 +190,7 @@ impl Camera<'_> {
             device.write(&film_tile_buffer, &[FilmTile { first_pixel, pixels, samples: spp, parts }]);
             device.run(&plan)?;
         }
-        let film: Vec<Pixel> = device.read(&film, u64::from(pixels))?;
-        let rgb = film.iter().map(|pixel| pixel.rgb).collect();
-        Ok((Image { width, height, rgb }, device.read(&status, u64::from(STATUS_WORDS))?, complete))
+        Ok((device.read(&film, u64::from(pixels))?, complete))
     }
 
     /// The stages of one tile. Only those whose part is wanted are in it.
@@ -196,7 +199,7 @@ impl Camera<'_> {
         pixels: u32,
         parts: u32,
         maps: [Option<&PhotonMap>; 2],
-        [tile, film_tile, film, status]: [&Buffer; 4],
+        [tile, film_tile, film]: [&Buffer; 3],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, .. } = *self;
         let SceneBuffers { info, primitives, materials, lights, .. } = self.buffers;
@@ -212,7 +215,7 @@ impl Camera<'_> {
         plan.each(
             Kernel::TraceCamera,
             samples,
-            &[tile, &camera, info, primitives, materials, lights, &queries, &vertices, status],
+            &[tile, &camera, info, primitives, materials, lights, &queries, &vertices],
         );
         if parts & PART_DIRECT != 0 {
             plan.each(Kernel::ShadeDirect, samples, &[tile, info, primitives, lights, &queries, &vertices, &direct]);
@@ -230,7 +233,7 @@ impl Camera<'_> {
         plan.each(
             Kernel::DevelopFilm,
             pixels,
-            &[film_tile, &vertices, &direct, &estimates[0], &estimates[1], film, status],
+            &[film_tile, &vertices, &direct, &estimates[0], &estimates[1], film],
         );
         Ok(plan)
     }

@@ -51,7 +51,7 @@ pub struct Settings {
     pub radius: f32,
     /// Hash function of the maps.
     pub hash: Hash,
-    /// Container of the gather.
+    /// How the gather finds the nearest photons.
     pub gather: Gather,
     /// Camera samples a pixel.
     pub spp: u32,
@@ -76,7 +76,7 @@ impl Settings {
             k: defaults.k.unwrap_or(150),
             radius: defaults.radius.unwrap_or(0.15),
             hash: Hash::Linear,
-            gather: Gather::Heap,
+            gather: Gather::Auto,
             spp: defaults.spp.unwrap_or(16),
             seed: 0,
             show: Show::Beauty,

@@ -93,7 +93,7 @@ impl Cpu {
                         .zip(buffers)
                         .map(|(binding, buffer)| match binding.access {
                             Access::One | Access::In => Guard::Read(lock_read(memory(buffer))),
-                            Access::Out | Access::Sum => Guard::Write(lock_write(memory(buffer))),
+                            Access::Out => Guard::Write(lock_write(memory(buffer))),
                         })
                         .collect();
                     let bound: Vec<_> = guards

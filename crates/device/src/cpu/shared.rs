@@ -3,12 +3,12 @@
 //! The stages promise that no two invocations write the same element, but nothing here relies on it: every word is an
 //! atomic, written without ordering, which costs a plain store. A kernel that breaks the promise gives a wrong result
 //! that a test can see, never undefined behaviour.
-#![allow(unsafe_code)]
 
 use bytemuck::Pod;
-use caustic_kernels::exec::{Store, Tally};
+use caustic_kernels::exec::Store;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+use zerocopy::{FromBytes, IntoBytes};
 
 /// A buffer as one stage sees it.
 pub(crate) enum Bound<'a> {
@@ -19,10 +19,8 @@ pub(crate) enum Bound<'a> {
 impl<'a> Bound<'a> {
     /// A buffer that the stage's threads write.
     pub(crate) fn write_words(words: &'a mut [u32]) -> Self {
-        // SAFETY: the exclusive borrow lasts as long as the result, AtomicU32 has the size and, on every platform that
-        // caustic runs on, the alignment of u32 (asserted below), and any bits are a valid value of both.
-        const { assert!(align_of::<AtomicU32>() == align_of::<u32>() && size_of::<AtomicU32>() == size_of::<u32>()) };
-        Self::Write(unsafe { &*(std::ptr::from_mut(words) as *const [AtomicU32]) })
+        let atomics = <[AtomicU32]>::mut_from_bytes(words.as_mut_bytes());
+        Self::Write(atomics.expect("an atomic word has the size and the alignment of a word where caustic runs"))
     }
 
     /// The records of a buffer that the stage reads.
@@ -63,17 +61,5 @@ impl<T: Pod> Store<T> for SharedMut<'_, T> {
         for (to, &from) in self.words[first..first + words.len()].iter().zip(words) {
             to.store(from, Relaxed);
         }
-    }
-}
-
-impl Tally for SharedMut<'_, u32> {
-    #[inline]
-    fn add(&mut self, i: u32, n: u32) {
-        self.words[i as usize].fetch_add(n, Relaxed);
-    }
-
-    #[inline]
-    fn max(&mut self, i: u32, n: u32) {
-        self.words[i as usize].fetch_max(n, Relaxed);
     }
 }

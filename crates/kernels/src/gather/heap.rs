@@ -1,6 +1,7 @@
 //! A max-heap in a fixed-size array: the data structure that the thesis proposes in section 5.6 in place of its list.
 
-use super::{Selection, before};
+use super::{Candidates, Selection, before};
+use crate::layout::Photon;
 
 /// The `k ≤ N` first candidates, the last of them on top (Cormen, Leiserson and Rivest, chapter 6).
 pub struct Heap<const N: usize> {
@@ -73,21 +74,14 @@ impl<const N: usize> Default for Heap<N> {
     }
 }
 
-impl<const N: usize> Selection for Heap<N> {
-    #[inline]
-    fn reset(&mut self, k: u32, radius2: f32) {
-        self.len = 0;
-        self.k = k;
-        self.bound = radius2;
-    }
-
+impl<const N: usize> Candidates for Heap<N> {
     #[inline]
     fn bound(&self) -> f32 {
         self.bound
     }
 
     #[inline]
-    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32]) {
+    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32], _photons: &[Photon]) {
         if self.len < self.k {
             // Until it is full nothing is rejected, and no order is needed.
             self.put(self.len, distance2, slot);
@@ -100,6 +94,15 @@ impl<const N: usize> Selection for Heap<N> {
             self.sift_down(0, self.k, distance2, slot, order);
             self.bound = self.distances2[0];
         }
+    }
+}
+
+impl<const N: usize> Selection for Heap<N> {
+    #[inline]
+    fn reset(&mut self, k: u32, radius2: f32) {
+        self.len = 0;
+        self.k = k;
+        self.bound = radius2;
     }
 
     #[inline]

@@ -1,6 +1,7 @@
 //! The sorted list with which the thesis collects photons (section 3.1.3).
 
-use super::{Selection, before};
+use super::{Candidates, Selection, before};
+use crate::layout::Photon;
 
 /// The `k ≤ N` first candidates in order. A nearer photon is inserted where it belongs and the later ones move back one
 /// place; the last is lost when the list is full.
@@ -27,21 +28,14 @@ impl<const N: usize> Default for SortedList<N> {
     }
 }
 
-impl<const N: usize> Selection for SortedList<N> {
-    #[inline]
-    fn reset(&mut self, k: u32, radius2: f32) {
-        self.len = 0;
-        self.k = k;
-        self.bound = radius2;
-    }
-
+impl<const N: usize> Candidates for SortedList<N> {
     #[inline]
     fn bound(&self) -> f32 {
         self.bound
     }
 
     #[inline]
-    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32]) {
+    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32], _photons: &[Photon]) {
         let mut place = self.len;
         if self.len == self.k {
             place = self.len - 1;
@@ -69,6 +63,15 @@ impl<const N: usize> Selection for SortedList<N> {
         if self.len == self.k {
             self.bound = self.distances2[(self.k - 1) as usize];
         }
+    }
+}
+
+impl<const N: usize> Selection for SortedList<N> {
+    #[inline]
+    fn reset(&mut self, k: u32, radius2: f32) {
+        self.len = 0;
+        self.k = k;
+        self.bound = radius2;
     }
 
     #[inline]

@@ -6,14 +6,17 @@
 
 mod estimate;
 mod heap;
+mod histogram;
 mod list;
 mod search;
 
 pub use estimate::{gather_irradiance, gather_neighbours};
 pub use heap::Heap;
+pub use histogram::gather_irradiance_by_counting;
 pub use list::SortedList;
 pub use search::{distance2, search};
 
+use crate::layout::Photon;
 use bytemuck::{Pod, Zeroable};
 
 /// Lanes of a gathering workgroup.
@@ -32,14 +35,27 @@ pub struct GatherParams {
     pub k: u32,
 }
 
+/// What a search does with the candidates it meets.
+pub trait Candidates {
+    /// Whether an offer is a few instructions, so that the search repeats it eight times a turn of its innermost loop: that is
+    /// faster, and llvmpipe, which ends loops after 65,535 turns, comes eight times as far.
+    const SHORT: bool = false;
+    /// Squared distance beyond which a candidate does not matter, m².
+    fn bound(&self) -> f32;
+    /// Offers candidate `slot`, an index into the sorted `photons`, whose original indices are `order`.
+    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32], photons: &[Photon]);
+    /// Lowers the bound, if that takes more work than one candidate is worth: called between cells.
+    #[inline]
+    fn settle(&mut self) {}
+}
+
+/// Result in place of a number of photons where the device ended a search before its end: what was found is not the answer.
+pub const CUT_SHORT: u32 = 0xffff_ffff;
+
 /// A container that keeps the best of the candidates it is offered.
-pub trait Selection {
+pub trait Selection: Candidates {
     /// Empties it and sets what it keeps: the `k` first in order among those at most `radius2` (m²) away.
     fn reset(&mut self, k: u32, radius2: f32);
-    /// Squared distance beyond which no candidate can be kept any more, m².
-    fn bound(&self) -> f32;
-    /// Offers candidate `slot`, an index into the sorted photons, whose original indices are `order`.
-    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32]);
     /// Puts what was kept in order, nearest first.
     fn sort(&mut self, order: &[u32]);
     /// Where, before it is sorted, a full container has what is last in order.
@@ -82,7 +98,7 @@ mod tests {
         for slot in 0..OFFERS {
             let d2 = distances[slot as usize];
             if d2 <= selection.bound() {
-                selection.offer(d2, slot, &order);
+                selection.offer(d2, slot, &order, &[]);
                 seen.push((d2.to_bits(), order[slot as usize], slot));
                 seen.sort_unstable();
                 seen.truncate(k as usize);
@@ -126,12 +142,12 @@ mod tests {
         let order = [0, 1, 2];
         let mut heap = Heap::<4>::new();
         heap.reset(2, 9.0);
-        heap.offer(1.0, 0, &order);
-        heap.offer(2.0, 1, &order);
+        heap.offer(1.0, 0, &order, &[]);
+        heap.offer(2.0, 1, &order, &[]);
         assert_eq!((heap.count(), heap.bound()), (2, 2.0));
         heap.reset(3, 5.0);
         assert_eq!((heap.count(), heap.bound()), (0, 5.0));
-        heap.offer(3.0, 2, &order);
+        heap.offer(3.0, 2, &order, &[]);
         heap.sort(&order);
         assert_eq!((heap.count(), heap.distance2(0), heap.slot(0), heap.bound()), (1, 3.0, 2, 5.0));
     }
@@ -160,7 +176,7 @@ mod tests {
         let position = [1.0, 2.0, 1.0];
         let mut heap = Heap::<65>::new();
         heap.reset(64, grid.radius2);
-        search(position, &grid, &photons, &order, &[0], &[40], &mut heap);
+        assert!(search(position, &grid, &photons, &order, &[0], &[40], &mut heap));
         heap.sort(&order);
         let found: Vec<_> = (0..heap.count()).map(|i| heap.slot(i)).collect();
         // Itself, then its neighbours in the lattice, by index; there are only five.

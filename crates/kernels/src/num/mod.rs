@@ -10,6 +10,7 @@
 
 mod convert;
 mod div;
+mod exp;
 mod float;
 mod rng;
 mod sqrt;
@@ -18,6 +19,7 @@ mod trig;
 
 pub use convert::{f32_to_u32_clamped, floor_to_i32, u32_to_unit, ulp_distance};
 pub use div::{div, div_corrected, recip};
+pub use exp::{exp, exp2, ln, log2, pow};
 pub use float::{
     NAN, abs, canonical, flush, from_total_order_key, fsign, is_finite, is_nan, max, min, powi2, total_order_key,
 };

@@ -1,11 +1,11 @@
 //! Camera paths, down to the first diffuse surface.
 
-use super::intersect::{MISS, closest_hit, leave, surface_at};
+use super::intersect::{LOST, MISS, closest_hit, leave, surface_at};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
 use super::vector::{dot, normalize};
-use super::{MAX_BOUNCES, STATUS_CAMERA_PATHS_CUT};
-use crate::exec::{Store, Tally};
+use super::MAX_BOUNCES;
+use crate::exec::Store;
 use crate::layout::Query;
 use crate::num::{Rng, div, pcg4d, shuffle_index, sobol2};
 use bytemuck::{Pod, Zeroable};
@@ -54,7 +54,7 @@ pub struct CameraTile {
 pub struct Vertex {
     /// Unit normal of the side that is seen.
     pub normal: [f32; 3],
-    /// Index of the primitive.
+    /// Index of the primitive, [`MISS`] or [`LOST`].
     pub primitive: u32,
     /// Radiance towards the camera for an irradiance of 1: the path's throughput times ρ/π, sr⁻¹.
     pub weight: [f32; 3],
@@ -64,7 +64,7 @@ pub struct Vertex {
 
 /// Follows sample `i` of the tile through mirrors and glass to the first diffuse surface.
 #[inline]
-pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized, S: Tally + ?Sized>(
+pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     i: u32,
     tile: &CameraTile,
     camera: &Camera,
@@ -74,7 +74,6 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized, S: Tall
     lights: &[Light],
     queries: &mut Q,
     vertices: &mut V,
-    status: &mut S,
 ) {
     if i >= tile.pixels * tile.samples {
         return;
@@ -91,11 +90,12 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized, S: Tall
     let mut origin = Vec3::from_array(camera.origin);
     let mut throughput = Vec3::ONE;
     let mut query = Query { position: [0.0; 3], active: 0 };
-    let mut vertex = Vertex { normal: [0.0; 3], primitive: MISS, weight: [0.0; 3], emitted: [0.0; 3] };
+    let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3] };
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
         let hit = closest_hit(origin, direction, info, primitives);
-        if hit.primitive == MISS {
+        if hit.primitive == MISS || hit.primitive == LOST {
+            vertex.primitive = hit.primitive;
             break;
         }
         let primitive = primitives[hit.primitive as usize];
@@ -120,9 +120,6 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized, S: Tall
         direction = scattered.direction;
         origin = leave(point, scattered.side);
         bounce += 1;
-    }
-    if bounce == MAX_BOUNCES {
-        status.add(STATUS_CAMERA_PATHS_CUT, 1);
     }
     queries.set(i, query);
     vertices.set(i, vertex);

@@ -2,10 +2,11 @@
 
 use super::camera::{CameraTile, Vertex, pixel_sobol};
 use super::emission::{choose_light, light_point};
-use super::intersect::{leave, occluded};
+use super::intersect::{LOST, MISS, leave, occluded};
 use super::scene::{LIGHT_AREA, Light, Primitive, SceneInfo};
 use super::vector::dot;
 use crate::exec::Store;
+use crate::gather::CUT_SHORT;
 use crate::layout::{Irradiance, Query};
 use crate::num::{div, sqrt};
 use glam::Vec3;
@@ -53,8 +54,13 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
                     geometry = if cos_light > 0.0 { geometry * cos_light * light.area } else { 0.0 };
                 }
             }
-            if geometry > 0.0 && !occluded(origin, direction, distance, light.primitive, info, primitives) {
-                result.rgb = (Vec3::from_array(light.emission) * geometry).to_array();
+            if geometry > 0.0 {
+                let blocker = occluded(origin, direction, distance, light.primitive, info, primitives);
+                if blocker == MISS {
+                    result.rgb = (Vec3::from_array(light.emission) * geometry).to_array();
+                } else if blocker == LOST {
+                    result.photons = CUT_SHORT;
+                }
             }
         }
     }

@@ -7,13 +7,16 @@ use glam::Vec3;
 
 /// [`Hit::primitive`] of a ray that hit nothing.
 pub const MISS: u32 = 0xffff_ffff;
+/// [`Hit::primitive`] of a ray that was not followed to its end: after [`MAX_BOUNCES`](super::MAX_BOUNCES), or because the
+/// device ends loops early, as llvmpipe does after 65,535 iterations.
+pub const LOST: u32 = 0xffff_fffe;
 
 /// The nearest thing a ray meets.
 #[derive(Clone, Copy)]
 pub struct Hit {
     /// Where, in lengths of the ray's direction.
     pub t: f32,
-    /// What: an index of a primitive, or [`MISS`].
+    /// What: an index of a primitive, [`MISS`] or [`LOST`].
     pub primitive: u32,
 }
 
@@ -30,10 +33,14 @@ pub fn closest_hit(origin: Vec3, direction: Vec3, info: &SceneInfo, primitives: 
         }
         i += 1;
     }
+    if i < info.primitives {
+        best.primitive = LOST;
+    }
     best
 }
 
-/// Whether anything but primitive `except` stands between `origin` and `origin + distance·direction`.
+/// What stands between `origin` and `origin + distance·direction`, other than primitive `except`: an index of a primitive,
+/// [`MISS`] or [`LOST`].
 #[inline]
 #[must_use]
 pub fn occluded(
@@ -43,17 +50,19 @@ pub fn occluded(
     except: u32,
     info: &SceneInfo,
     primitives: &[Primitive],
-) -> bool {
-    let mut blocked = false;
+) -> u32 {
+    let mut found = MISS;
     let mut i = 0;
-    while i < info.primitives && !blocked {
+    while i < info.primitives && found == MISS {
         if i != except {
             let t = intersect(origin, direction, &primitives[i as usize]);
-            blocked = t > 0.0 && t < distance;
+            if t > 0.0 && t < distance {
+                found = i;
+            }
         }
         i += 1;
     }
-    blocked
+    if found == MISS && i < info.primitives { LOST } else { found }
 }
 
 /// The smallest positive t at which the ray meets the primitive, or 0.

@@ -17,8 +17,8 @@ pub mod vector;
 pub use camera::{Camera, CameraTile, Vertex, trace_camera};
 pub use direct::shade_direct;
 pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_film};
-pub use intersect::{Hit, MISS, closest_hit, occluded};
-pub use photons::{PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
+pub use intersect::{Hit, LOST, MISS, closest_hit, occluded};
+pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
     LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
     PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
@@ -28,14 +28,3 @@ pub use scene::{
 pub const TRACE_LANES: u32 = 64;
 /// Bounces after which a path is given up. Russian roulette ends nearly all long before; the rest is counted.
 pub const MAX_BOUNCES: u32 = 1024;
-
-/// Status word: photon paths given up after [`MAX_BOUNCES`].
-pub const STATUS_PHOTON_PATHS_CUT: u32 = 0;
-/// Status word: camera paths given up after [`MAX_BOUNCES`].
-pub const STATUS_CAMERA_PATHS_CUT: u32 = 1;
-/// Status word: samples that were not finite and count as black.
-pub const STATUS_NOT_FINITE: u32 = 2;
-/// Status word: photon paths that reached a diffuse surface.
-pub const STATUS_PHOTON_PATHS_LANDED: u32 = 3;
-/// Number of status words.
-pub const STATUS_WORDS: u32 = 4;

@@ -9,8 +9,8 @@ use super::intersect::{MISS, closest_hit, leave, surface_at};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, Primitive, SceneInfo, Target};
 use super::vector::{dot, pack_direction, sample_cosine};
-use super::{MAX_BOUNCES, STATUS_PHOTON_PATHS_CUT, STATUS_PHOTON_PATHS_LANDED};
-use crate::exec::{Store, Tally};
+use super::{LOST, MAX_BOUNCES};
+use crate::exec::Store;
 use crate::layout::Photon;
 use crate::num::{Rng, div};
 use crate::sort::SCAN_BLOCK;
@@ -40,9 +40,15 @@ pub struct PhotonPass {
     pub stored_from: u32,
 }
 
-/// Counts the photons that the `i`-th path of the dispatch stores.
+/// A path's fate: it reached a diffuse surface. Fates are numbers to be added up, for a block of [`SCAN_BLOCK`] paths.
+pub const FATE_LANDED: u32 = 1;
+/// A path's fate: it was given up after [`MAX_BOUNCES`].
+pub const FATE_CUT: u32 = 1 << 16;
+const _: () = assert!(SCAN_BLOCK < FATE_CUT);
+
+/// Counts the photons that the `i`-th path of the dispatch stores, and says what became of it.
 #[inline]
-pub fn count_photons<C: Store<u32> + ?Sized, S: Tally + ?Sized>(
+pub fn count_photons<C: Store<u32> + ?Sized, F: Store<u32> + ?Sized>(
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -51,18 +57,14 @@ pub fn count_photons<C: Store<u32> + ?Sized, S: Tally + ?Sized>(
     lights: &[Light],
     targets: &[Target],
     counts: &mut C,
-    status: &mut S,
+    fates: &mut F,
 ) {
     if i < pass.paths {
         let path = pass.first + i;
         let walked = walk(path, pass, info, primitives, materials, lights, targets, |_, _| {});
         counts.set(path, walked.stored);
-        if walked.landed {
-            status.add(STATUS_PHOTON_PATHS_LANDED, 1);
-        }
-        if walked.cut {
-            status.add(STATUS_PHOTON_PATHS_CUT, 1);
-        }
+        let landed = if walked.landed { FATE_LANDED } else { 0 };
+        fates.set(i, landed + if walked.cut { FATE_CUT } else { 0 });
     }
 }
 
@@ -131,6 +133,9 @@ fn walk<F: FnMut(u32, Photon)>(
         let hit = closest_hit(origin, direction, info, primitives);
         if hit.primitive == MISS {
             return walked;
+        }
+        if hit.primitive == LOST {
+            break;
         }
         let primitive = primitives[hit.primitive as usize];
         let material = materials[primitive.material as usize];

@@ -1,0 +1,111 @@
+//! Where a device finds the fields of the records that it shares with the CPU.
+//!
+//! The host fills a buffer of records with numbered words. A kernel writes down which word it finds in each field of the
+//! first record, and in the first field of the second, which is the record's size: the layout as the device has it, and not
+//! as a compiler says.
+
+use crate::exec::Store;
+use crate::gather::GatherParams;
+use crate::grid::Grid;
+use crate::layout::{Irradiance, Neighbour, Photon, Query};
+use crate::sort::{RadixPass, ScanParams};
+use crate::trace::{
+    Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+};
+
+/// Words that a layout kernel writes at most.
+pub const LAYOUT_WORDS: u32 = 64;
+
+/// Fields that can be read word by word.
+pub trait Words {
+    /// Writes its words from `at` on and returns the place after them.
+    fn write<W: Store<u32> + ?Sized>(self, at: u32, words: &mut W) -> u32;
+}
+
+impl Words for u32 {
+    #[inline]
+    fn write<W: Store<u32> + ?Sized>(self, at: u32, words: &mut W) -> u32 {
+        words.set(at, self);
+        at + 1
+    }
+}
+
+impl Words for f32 {
+    #[inline]
+    fn write<W: Store<u32> + ?Sized>(self, at: u32, words: &mut W) -> u32 {
+        words.set(at, self.to_bits());
+        at + 1
+    }
+}
+
+impl<T: Words + Copy, const N: usize> Words for [T; N] {
+    #[inline]
+    fn write<W: Store<u32> + ?Sized>(self, at: u32, words: &mut W) -> u32 {
+        let mut end = at;
+        let mut i = 0;
+        while i < N {
+            end = self[i].write(end, words);
+            i += 1;
+        }
+        end
+    }
+}
+
+/// A kernel for some records: of each, the size, then the fields.
+macro_rules! layouts {
+    ($($(#[$doc:meta])* $kernel:ident($($arg:ident: $record:ident { $first:ident $(, $field:ident)* }),*);)*) => {
+        $($(#[$doc])*
+        #[inline]
+        pub fn $kernel<W: Store<u32> + ?Sized>(i: u32, $($arg: &[$record],)* words: &mut W) {
+            if i == 0 {
+                let mut at = 0;
+                $(
+                    $arg[1].$first.write(at, words);
+                    at = $arg[0].$first.write(at + 1, words);
+                    $(at = $arg[0].$field.write(at, words);)*
+                )*
+                let _ = at;
+            }
+        })*
+
+        /// Records of each kernel, with their sizes in words, in the order in which the kernel has them.
+        #[cfg(not(target_arch = "spirv"))]
+        pub const LAYOUTS: &[(&str, &[(&str, usize)])] = &[
+            $((stringify!($kernel), &[$((stringify!($record), size_of::<$record>() / 4)),*])),*
+        ];
+    };
+}
+
+layouts! {
+    /// Records of photon maps.
+    layout_map(
+        photons: Photon { position, direction, power, primitive },
+        queries: Query { position, active },
+        neighbours: Neighbour { distance2, photon },
+        irradiance: Irradiance { rgb, photons },
+        grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack },
+        gather: GatherParams { queries, k }
+    );
+    /// Records of sorting, and of emission.
+    layout_sort(
+        radix: RadixPass { count, blocks, shift, values_are_indices },
+        scan: ScanParams { count, row_length },
+        pass: PhotonPass { emitted, first, paths, rays, seed, stored_from },
+        targets: Target { centre, radius }
+    );
+    /// Records of scenes.
+    layout_scene(
+        info: SceneInfo { primitives, lights, targets },
+        primitives: Primitive { kind, material, light, radius, position, normal, duals },
+        materials: Material { reflectance, kind, ior, survival },
+        lights: Light { emission, kind, position, primitive, edges, normal, area, probability, cumulative }
+    );
+    /// Records of the camera and the film.
+    layout_film(
+        camera: Camera { origin, width, corner, height, right, down },
+        tile: CameraTile { first_pixel, pixels, samples, seed },
+        vertices: Vertex { normal, primitive, weight, emitted },
+        film_tile: FilmTile { first_pixel, pixels, samples, parts },
+        film: Pixel { rgb, covered, not_finite, lost, cut_short }
+    );
+}

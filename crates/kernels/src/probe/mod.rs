@@ -1,0 +1,9 @@
+//! Kernels that put a device to the test: does it compute, and lay out records, as the CPU does?
+
+mod arithmetic;
+mod layout;
+
+pub use arithmetic::{Arithmetic, ArithmeticParams, arithmetic};
+#[cfg(not(target_arch = "spirv"))]
+pub use layout::LAYOUTS;
+pub use layout::{LAYOUT_WORDS, Words, layout_film, layout_map, layout_scene, layout_sort};
