@@ -1,6 +1,6 @@
 //! The command line.
 
-use caustic_device::DeviceChoice;
+use caustic_device::{DeviceChoice, Precision};
 use caustic_photon_map::{Gather, Hash};
 use caustic_renderer::Show;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
@@ -17,7 +17,8 @@ use std::path::PathBuf;
         caustic render cornell -o box.exr --size 640x480 --spp 64\n  \
         caustic render cornell -o caustic.png --show map-caustic --caustic-photons 10000\n  \
         caustic render my_scene.toml -o picture.png --hash teschner --device cpu\n  \
-        caustic map --photons uniform:1000000 --queries 300000 --k 50\n\n\
+        caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
+        caustic verify --device gpu\n\n\
         Exit codes: 0 done, 1 the device or disk failed, 2 the input was wrong, 130 interrupted."
 )]
 pub struct Arguments {
@@ -31,6 +32,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Builds a photon map of given or synthetic photons, searches it, and checks the answers against brute force.
     Map(MapArguments),
+    /// Runs every kernel and small renders on a GPU and on the CPU with fresh random inputs, and compares them bit for bit.
+    Verify(VerifyArguments),
     /// Lists the devices: limits, subgroup sizes, and whether they can run the exact kernels.
     Info {
         /// Prints JSON instead of a table.
@@ -92,6 +95,9 @@ pub struct RenderArguments {
     /// How the nearest photons are found: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
     pub gather: GatherArgument,
+    /// Whether a GPU gives the CPU's bits, or is free to be faster.
+    #[arg(long, value_enum, default_value_t)]
+    pub precision: PrecisionArgument,
     /// Camera samples a pixel: more smooth edges, soft shadows and reflections.
     #[arg(long, value_name = "N", value_parser = whole(1, MAX_SPP), allow_negative_numbers = true)]
     pub spp: Option<u32>,
@@ -132,6 +138,9 @@ pub struct MapArguments {
     /// Container that collects the nearest photons.
     #[arg(long, value_enum, default_value_t)]
     pub gather: GatherArgument,
+    /// Whether a GPU gives the CPU's bits, or is free to be faster.
+    #[arg(long, value_enum, default_value_t)]
+    pub precision: PrecisionArgument,
     /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
     #[arg(long, value_name = "D", default_value = "auto")]
     pub device: DeviceChoice,
@@ -160,6 +169,43 @@ impl From<HashArgument> for Hash {
             HashArgument::Linear => Self::Linear,
             HashArgument::Teschner => Self::Teschner,
             HashArgument::Morton => Self::Morton,
+        }
+    }
+}
+
+#[derive(Args)]
+pub struct VerifyArguments {
+    /// The GPU: gpu, or gpu:NAME_OR_INDEX.
+    #[arg(long, value_name = "DEVICE", default_value = "gpu")]
+    pub device: DeviceChoice,
+    /// Exact, or fast to see how far off that is.
+    #[arg(long, value_enum, default_value_t)]
+    pub precision: PrecisionArgument,
+    /// Lets the GPU go on with its own results from this stage on (a name from the table), to find which stage matters.
+    #[arg(long, value_name = "STAGE")]
+    pub gpu_from: Option<String>,
+    /// Seed of the random inputs; from the clock if not given.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u32>,
+    /// Prints JSON instead of a table.
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub enum PrecisionArgument {
+    /// The same bits on every device.
+    #[default]
+    Exact,
+    /// The GPU's driver may contract, and its own division, root and trigonometry are used; nothing changes on the CPU.
+    Fast,
+}
+
+impl From<PrecisionArgument> for Precision {
+    fn from(precision: PrecisionArgument) -> Self {
+        match precision {
+            PrecisionArgument::Exact => Self::Exact,
+            PrecisionArgument::Fast => Self::Fast,
         }
     }
 }

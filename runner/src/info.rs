@@ -18,6 +18,7 @@ pub fn devices(json: bool) -> Result<(), Failure> {
         let exact = match (adapter.exact, adapter.reason.as_str()) {
             (true, "") => "yes".to_string(),
             (true, note) => format!("yes, but {note}"),
+            (false, reason) if adapter.usable => format!("no, {reason}; --precision fast runs"),
             (false, reason) => format!("no, {reason}"),
         };
         println!(

@@ -5,6 +5,7 @@ mod info;
 mod map;
 mod progress;
 mod render;
+mod verify;
 
 use args::{Arguments, Command, SceneCommand};
 use clap::Parser;
@@ -57,6 +58,7 @@ fn main() -> ExitCode {
     let result = match arguments.command.unwrap_or_default() {
         Command::Render(arguments) => render::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
         Command::Info { json } => info::devices(json),
         Command::Scene { command: SceneCommand::List { json } } => info::scenes(json),
     };

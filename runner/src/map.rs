@@ -22,7 +22,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
         positions.iter().map(|&position| Photon { position, power: [1.0; 3], ..Photon::default() }).collect();
     let radius = arguments.radius.unwrap_or_else(|| source.radius(photons.len(), arguments.k));
     let options = MapOptions { radius, hash: arguments.hash.into(), table: None };
-    let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
+    let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
     eprintln!("{line}");
 
     let timed = time(&device, &photons, &queries, &options, arguments).map_err(Failure::input)?;

@@ -16,7 +16,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
     let settings = settings(arguments, &scene);
     settings.validate().map_err(|error| failure(&error))?;
-    let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
+    let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
     if !arguments.quiet {
         eprintln!("{line}");
     }
@@ -102,9 +102,10 @@ fn tell(report: &RenderReport, output: &Path) {
 }
 
 /// Whether an error is the input's or the machine's fault.
-fn failure(error: &RenderError) -> Failure {
+pub fn failure(error: &RenderError) -> Failure {
     match error {
         RenderError::Interrupted => Failure::interrupted_before_image(),
+        RenderError::CutShort { .. } | RenderError::Map(MapError::CutShort { .. }) => Failure::machine(error),
         RenderError::Map(MapError::Device(DeviceError::DeviceLost { .. } | DeviceError::Stage { .. })) => {
             Failure::machine(error)
         }

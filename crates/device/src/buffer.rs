@@ -3,13 +3,13 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, RwLock};
 
-/// Where a buffer's bytes are.
-pub(crate) enum Storage {
-    /// In host memory, as words.
-    Cpu(RwLock<Vec<u32>>),
-    /// In the memory of a GPU.
-    Gpu(wgpu::Buffer),
+/// Where a buffer's bytes are: on the CPU as words, on a GPU, or on both.
+pub(crate) struct Storage {
+    pub(crate) cpu: Option<RwLock<Vec<u32>>>,
+    pub(crate) gpu: Option<wgpu::Buffer>,
 }
+
+const ELSEWHERE: &str = "a buffer belongs to the device that made it";
 
 /// A named piece of a device's memory. Cloning it makes another handle; the memory goes with the last.
 #[derive(Clone)]
@@ -40,8 +40,12 @@ impl Buffer {
         self.0.bytes
     }
 
-    pub(crate) fn storage(&self) -> &Storage {
-        &self.0.storage
+    pub(crate) fn on_cpu(&self) -> &RwLock<Vec<u32>> {
+        self.0.storage.cpu.as_ref().expect(ELSEWHERE)
+    }
+
+    pub(crate) fn on_gpu(&self) -> &wgpu::Buffer {
+        self.0.storage.gpu.as_ref().expect(ELSEWHERE)
     }
 
     pub(crate) fn is(&self, other: &Self) -> bool {

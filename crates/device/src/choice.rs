@@ -1,4 +1,4 @@
-//! Which device the user wants.
+//! Which device the user wants, and how exact.
 
 use std::str::FromStr;
 
@@ -12,6 +12,17 @@ pub enum DeviceChoice {
     Cpu,
     /// The first GPU, or the one with this index or with this text in its name (case does not matter).
     Gpu(Option<String>),
+}
+
+/// How exactly a GPU computes. The CPU is always exact: its own division and root are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Precision {
+    /// Every result has the bits that the CPU gives.
+    #[default]
+    Exact,
+    /// The driver may contract products and sums, and its own division, square root, sine and cosine are used.
+    Fast,
 }
 
 impl FromStr for DeviceChoice {

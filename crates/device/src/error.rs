@@ -14,7 +14,7 @@ pub enum Error {
     },
     /// The device cannot run the exact kernels.
     #[error(
-        "{device} cannot run the exact kernels ({reason}); use --device cpu or a GPU that `caustic info` calls exact"
+        "{device} cannot run these kernels ({reason}); use --device cpu, a GPU that `caustic info` calls exact, or --precision fast"
     )]
     NotExact {
         /// The device.

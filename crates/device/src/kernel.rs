@@ -1,6 +1,7 @@
 //! The kernels as values: what a plan names, and how the CPU calls them.
 
 use crate::cpu::{Bound, Groups};
+use crate::{Precision, Record};
 use caustic_kernels::gather::*;
 use caustic_kernels::grid::{self, *};
 use caustic_kernels::layout::*;
@@ -29,6 +30,8 @@ pub struct Binding {
     pub access: Access,
     /// Bytes of a record.
     pub record_bytes: u32,
+    /// Which of its words are floats: [`Record::WORDS`].
+    pub words: &'static str,
 }
 
 macro_rules! kernels {
@@ -50,8 +53,23 @@ macro_rules! kernels {
             }
 
             /// Its SPIR-V, as `cargo xtask shaders` made it.
-            pub(crate) fn spirv(self) -> &'static [u8] {
-                match self { $(Self::$name => include_bytes!(concat!("../shaders/", stringify!($entry), ".spv"))),* }
+            pub(crate) fn spirv(self, precision: Precision) -> &'static [u8] {
+                match (self, precision) {
+                    $(
+                        (Self::$name, Precision::Exact) => {
+                            include_bytes!(concat!("../shaders/", stringify!($entry), ".spv"))
+                        }
+                        (Self::$name, Precision::Fast) => {
+                            include_bytes!(concat!("../shaders/fast/", stringify!($entry), ".spv"))
+                        }
+                    )*
+                }
+            }
+
+            /// The kernel whose entry point is called so.
+            #[must_use]
+            pub fn named(entry_point: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|kernel| kernel.entry_point() == entry_point)
             }
 
             /// Lanes of a workgroup.
@@ -68,6 +86,7 @@ macro_rules! kernels {
                         name: stringify!($arg),
                         access: Access::$access,
                         record_bytes: size_of::<$t>() as u32,
+                        words: <$t as Record>::WORDS,
                     }),*] }),*
                 }
             }

@@ -25,6 +25,11 @@ impl Plan {
         Self::default()
     }
 
+    /// A plan of one step.
+    pub(crate) fn of(step: Step) -> Self {
+        Self { steps: vec![step], scope: String::new() }
+    }
+
     /// Names the stages that follow `scope/stage`, for reports: the same kernels build several maps.
     pub fn scope(&mut self, scope: &str) {
         self.scope = scope.to_string();

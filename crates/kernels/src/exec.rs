@@ -11,6 +11,9 @@
 //! A stage may be given more invocations or workgroups than it has work for; a body ignores those past its last. A whole
 //! workgroup does so together, before its first barrier.
 //!
+//! A private array of more than 32 elements in a struct is not initialised on a GPU, whatever the source says: zeroing it
+//! costs more than using it. Nothing of it is read that was not written.
+//!
 //! An output is written through [`Store`] and never read by the stage that writes it, so the same body serves a plain
 //! slice on the GPU and a buffer shared between threads on the CPU.
 

@@ -111,7 +111,8 @@ macro_rules! stages {
             ) = trace::count_photons;
             each StorePhotons = store_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 materials: In Material,
-                4 lights: In Light, 5 targets: In Target, 6 offsets: In u32, 7 block_offsets: In u32, 8 photons: Out Photon
+                4 lights: In Light, 5 targets: In Target, 6 counts: In u32, 7 offsets: In u32, 8 block_offsets: In u32,
+                9 photons: Out Photon
             ) = trace::store_photons;
             each TraceCamera = trace_camera [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 primitives: In Primitive,

@@ -85,7 +85,9 @@ pub enum MapError {
         max: u32,
     },
     /// The device did not run loops to their end.
-    #[error("{device} ended {searches} searches before their end, as llvmpipe does after 65,535 steps; use --device cpu, or fewer photons or a smaller radius")]
+    #[error(
+        "{device} ended {searches} searches before their end, as llvmpipe does after 65,535 steps; use --device cpu, or fewer photons or a smaller radius"
+    )]
     CutShort {
         /// The device.
         device: String,

@@ -41,7 +41,9 @@ pub enum RenderError {
         emitted: u64,
     },
     /// The device did not run loops to their end, so the image is wrong.
-    #[error("{device} ended {searches} searches before their end, as llvmpipe does after 65,535 steps; use --device cpu, or fewer photons or a smaller --radius")]
+    #[error(
+        "{device} ended {searches} searches before their end, as llvmpipe does after 65,535 steps; use --device cpu, or fewer photons or a smaller --radius"
+    )]
     CutShort {
         /// The device.
         device: String,

@@ -8,8 +8,10 @@ mod photons;
 mod render;
 mod report;
 mod settings;
+mod verify;
 
 pub use error::RenderError;
 pub use render::{Rendered, render};
 pub use report::{MapReport, Progress, RenderReport};
 pub use settings::{MAX_PIXELS, Settings, Show};
+pub use verify::{ImageComparison, Verification, verify};

@@ -111,7 +111,6 @@ pub(crate) fn photon_map(
     plan.scope(kind.map);
     let [offsets, block_offsets, block_totals] = scan(device, &mut plan, &counts, emitted)?;
     device.run(&plan)?;
-    drop(counts);
 
     // The one read-back: how many photons there are, so that the map has exactly the size it needs.
     let totals: Vec<u32> = device.read(&block_totals, u64::from(emitted.div_ceil(SCAN_BLOCK)))?;
@@ -147,7 +146,7 @@ pub(crate) fn photon_map(
         plan.each(
             Kernel::StorePhotons,
             pass.paths,
-            &[&params, info, primitives, materials, lights, targets, &offsets, &block_offsets, &unsorted],
+            &[&params, info, primitives, materials, lights, targets, &counts, &offsets, &block_offsets, &unsorted],
         );
         device.run(&plan)?;
     }

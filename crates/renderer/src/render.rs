@@ -230,11 +230,7 @@ impl Camera<'_> {
             estimates.push(estimate);
         }
         plan.scope("image");
-        plan.each(
-            Kernel::DevelopFilm,
-            pixels,
-            &[film_tile, &vertices, &direct, &estimates[0], &estimates[1], film],
-        );
+        plan.each(Kernel::DevelopFilm, pixels, &[film_tile, &vertices, &direct, &estimates[0], &estimates[1], film]);
         Ok(plan)
     }
 }

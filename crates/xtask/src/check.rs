@@ -1,5 +1,6 @@
-//! Refuses what would not give the same bits on every device.
+//! Refuses what would not run on every device, or, of exact modules, not give the same bits there.
 
+use crate::arithmetic::Arithmetic;
 use crate::canonical;
 use anyhow::{Result, bail};
 use rspirv::dr::{Instruction, Module, Operand};
@@ -42,7 +43,10 @@ const EXACT: [Glsl; 18] = [
 ];
 
 /// Checks the finished module; returns warnings.
-pub fn structure(module: &Module) -> Result<Vec<String>> {
+///
+/// A float constant that is infinite or no number is worth a warning in an exact module, which goes past naga, and an error
+/// in a fast one, which must get through it.
+pub fn structure(module: &Module, arithmetic: Arithmetic) -> Result<Vec<String>> {
     for inst in &module.capabilities {
         if !CAPABILITIES.iter().any(|&allowed| inst.operands[0] == Operand::Capability(allowed)) {
             bail!("the shaders need the capability {}, which not every device has", inst.operands[0]);
@@ -55,6 +59,10 @@ pub fn structure(module: &Module) -> Result<Vec<String>> {
         }
     }
     pointers_stand_alone(module)?;
+    let odd: Vec<String> = module.types_global_values.iter().filter_map(|inst| odd_constant(module, inst)).collect();
+    if arithmetic == Arithmetic::Fast {
+        return if odd.is_empty() { Ok(odd) } else { bail!(odd.join("; ")) };
+    }
     for function in &module.functions {
         for inst in function.all_inst_iter() {
             if let Some(refused) = refused(inst, &glsl) {
@@ -63,7 +71,7 @@ pub fn structure(module: &Module) -> Result<Vec<String>> {
             }
         }
     }
-    Ok(module.types_global_values.iter().filter_map(|inst| odd_constant(module, inst)).collect())
+    Ok(odd)
 }
 
 /// Refuses pointers in structs and in phis: see [`forward`](crate::forward) for the driver that crashes on them.
@@ -137,7 +145,7 @@ pub fn reachable(module: &Module, main: u32) -> BTreeSet<u32> {
     found
 }
 
-/// A warning about a float constant that is infinite or no number: naga's SPIR-V reader refuses those.
+/// What to say about a float constant that is infinite or no number: naga's SPIR-V reader refuses those.
 fn odd_constant(module: &Module, inst: &Instruction) -> Option<String> {
     let (Op::Constant, Some(Operand::LiteralBit32(bits))) = (inst.class.opcode, inst.operands.first()) else {
         return None;
@@ -153,20 +161,21 @@ mod tests {
     use super::*;
     use crate::testing::kernel;
 
-    fn with_glsl(op: Glsl) -> Result<Vec<String>> {
+    fn with_glsl(op: Glsl, arithmetic: Arithmetic) -> Result<Vec<String>> {
         let mut module = kernel(|b, float, x| {
             let set = b.ext_inst_import("GLSL.std.450");
             b.ext_inst(float, None, set, op as u32, [Operand::IdRef(x)]).unwrap();
         });
         crate::memory_model::to_glsl450(&mut module).unwrap();
-        structure(&module)
+        structure(&module, arithmetic)
     }
 
     #[test]
-    fn a_square_root_is_refused_and_a_floor_is_not() {
-        let error = with_glsl(Glsl::Sqrt).unwrap_err().to_string();
+    fn an_exact_square_root_is_refused_and_a_floor_or_a_fast_root_is_not() {
+        let error = with_glsl(Glsl::Sqrt, Arithmetic::Exact).unwrap_err().to_string();
         assert_eq!(error, "GLSL.std.450 Sqrt does not give the same bits on all devices; it is used by main");
-        with_glsl(Glsl::Floor).unwrap();
+        with_glsl(Glsl::Floor, Arithmetic::Exact).unwrap();
+        with_glsl(Glsl::Sqrt, Arithmetic::Fast).unwrap();
     }
 
     #[test]
@@ -175,12 +184,17 @@ mod tests {
             b.constant_bit32(float, f32::INFINITY.to_bits());
             b.f_rem(float, None, x, x).unwrap();
         });
-        assert!(structure(&module).unwrap_err().to_string().contains("VulkanMemoryModel"));
+        for arithmetic in Arithmetic::ALL {
+            assert!(structure(&module, arithmetic).unwrap_err().to_string().contains("VulkanMemoryModel"));
+        }
         crate::memory_model::to_glsl450(&mut module).unwrap();
-        assert!(structure(&module).unwrap_err().to_string().starts_with("OpFRem"));
+        assert!(structure(&module, Arithmetic::Exact).unwrap_err().to_string().starts_with("OpFRem"));
         for block in &mut module.functions[0].blocks {
             block.instructions.retain(|inst| inst.class.opcode != Op::FRem);
         }
-        assert_eq!(structure(&module).unwrap().len(), 1);
+        let warning = structure(&module, Arithmetic::Exact).unwrap().remove(0);
+        let error = structure(&module, Arithmetic::Fast).unwrap_err().to_string();
+        assert_eq!(warning, error);
+        assert!(error.starts_with("a float constant is inf"), "{error}");
     }
 }

@@ -1,5 +1,6 @@
 //! Finds rust-gpu's compiler and has it build `shaders-crate/`.
 
+use crate::arithmetic::Arithmetic;
 use anyhow::{Context, Result, bail};
 use spirv_builder::{Capability, ModuleResult, SpirvBuilder};
 use std::env;
@@ -86,7 +87,7 @@ impl Compiler {
     }
 
     /// Builds the module of all entry points; returns its words as the compiler wrote them.
-    pub fn build(&self, root: &Path) -> Result<Vec<u32>> {
+    pub fn build(&self, root: &Path, arithmetic: Arithmetic) -> Result<Vec<u32>> {
         for variable in ["RUSTGPU_CODEGEN_ARGS", "RUSTGPU_RUSTFLAGS", "RUSTGPU_CARGOFLAGS"] {
             if env::var_os(variable).is_some() {
                 bail!("{variable} would change what the compiler does: unset it");
@@ -98,6 +99,7 @@ impl Compiler {
         builder.build_script.defaults = false;
         builder.extra_args = vec![CODEGEN_ARGS.into()];
         builder.capabilities = CAPABILITIES.to_vec();
+        builder.shader_crate_features.features = arithmetic.features().iter().map(ToString::to_string).collect();
         let target = target_dir(root)?;
         forget_own_crates(&target)?;
         builder.target_dir_path = Some(target);

@@ -104,7 +104,7 @@ fn path(inst: &Instruction, from: usize) -> Vec<u32> {
 
 /// Removes composites, extractions and phis from which nothing that has an effect is computed: also those that only feed each
 /// other around a loop.
-fn remove_unused(function: &mut Function) {
+pub fn remove_unused(function: &mut Function) {
     let removable = |inst: &Instruction| {
         matches!(
             inst.class.opcode,
@@ -136,6 +136,7 @@ fn remove_unused(function: &mut Function) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arithmetic::Arithmetic;
     use crate::testing::kernel;
     use rspirv::spirv::StorageClass;
 
@@ -195,7 +196,9 @@ mod tests {
         });
         crate::memory_model::to_glsl450(&mut module).unwrap();
         composites(&mut module);
-        let error = crate::check::structure(&module).unwrap_err().to_string();
-        assert!(error.contains("move"), "{error}");
+        for arithmetic in Arithmetic::ALL {
+            let error = crate::check::structure(&module, arithmetic).unwrap_err().to_string();
+            assert!(error.contains("move"), "{error}");
+        }
     }
 }

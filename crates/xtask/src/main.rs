@@ -4,10 +4,12 @@
 //! SPIR-V that rust-gpu's compiler makes of `shaders-crate/` is committed, together with a manifest that says what it
 //! was made from. `cargo xtask shaders` makes it anew; `cargo xtask shaders --check` proves that it is current.
 
+mod arithmetic;
 mod canonical;
 mod check;
 mod compile;
 mod forward;
+mod large_arrays;
 mod memory_model;
 mod postprocess;
 mod reflect;
@@ -32,7 +34,7 @@ struct Cli {
 /// The tasks.
 #[derive(Subcommand)]
 enum Task {
-    /// Build shaders-crate/ into crates/device/shaders/{caustic.spv,manifest.json}.
+    /// Build shaders-crate/ into crates/device/shaders: a module a kernel, the fast ones in fast/, and manifest.json.
     ///
     /// Needs rust-gpu 0.10.0: either `RUST_GPU_TOOLCHAIN` and `RUSTC_CODEGEN_SPIRV`, or what cargo-gpu installs.
     Shaders(shaders::Options),

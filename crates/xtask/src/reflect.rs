@@ -1,4 +1,4 @@
-//! Reads every entry point's workgroup size and bindings out of the finished module.
+//! Reads an entry point's workgroup size and bindings out of the finished module.
 
 use crate::{canonical, check};
 use anyhow::{Context, Result, bail};
@@ -19,12 +19,22 @@ pub struct Manifest {
 }
 
 /// One kernel.
-#[derive(Serialize, Deserialize, Debug, PartialEq)]
+#[derive(Serialize, Deserialize)]
 pub struct EntryPoint {
     /// As in the module, which is the path of the Rust function.
     pub name: String,
-    /// Of its module, `<name>.spv`.
+    /// Of its exact module, `<name>.spv`.
     pub spirv_sha256: String,
+    /// Of its fast module, `fast/<name>.spv`.
+    pub fast_sha256: String,
+    /// The same for both.
+    #[serde(flatten)]
+    pub interface: Interface,
+}
+
+/// How a kernel is dispatched and what is bound to it.
+#[derive(Serialize, Deserialize, Debug, PartialEq)]
+pub struct Interface {
     /// Invocations a workgroup.
     pub local_size: [u32; 3],
     /// Sorted by set and binding.
@@ -64,21 +74,15 @@ pub enum Access {
     ReadWrite,
 }
 
-/// Reflects all entry points of a module whose bytes have this hash.
-pub fn entry_points(module: &Module, spirv_sha256: &str) -> Result<Vec<EntryPoint>> {
+/// Reflects a module's only entry point.
+pub fn interface(module: &Module) -> Result<Interface> {
+    let [entry] = &module.entry_points[..] else {
+        bail!("a module has {} entry points instead of one", module.entry_points.len());
+    };
     let variables = variables(module);
-    module.entry_points.iter().map(|entry| entry_point(module, &variables, entry, spirv_sha256)).collect()
-}
-
-fn entry_point(
-    module: &Module,
-    variables: &BTreeMap<u32, StorageClass>,
-    entry: &Instruction,
-    spirv_sha256: &str,
-) -> Result<EntryPoint> {
-    let name = canonical::name(entry).to_owned();
+    let name = canonical::name(entry);
     let main = entry.operands[1].id_ref_any().context("an entry point names no function")?;
-    let written = written(module, variables, &check::reachable(module, main));
+    let written = written(module, &variables, &check::reachable(module, main));
     let mut bindings = Vec::new();
     // From SPIR-V 1.4 on, an entry point lists every global it uses, buffers included.
     for id in entry.operands[3..].iter().filter_map(Operand::id_ref_any) {
@@ -105,7 +109,7 @@ fn entry_point(
     }
     let local_size =
         local_size(module, main).with_context(|| format!("{name} has no LocalSize: is it a compute entry?"))?;
-    Ok(EntryPoint { name, spirv_sha256: spirv_sha256.to_owned(), local_size, bindings })
+    Ok(Interface { local_size, bindings })
 }
 
 fn local_size(module: &Module, main: u32) -> Option<[u32; 3]> {

@@ -7,7 +7,6 @@ pub(crate) use groups::Groups;
 pub use groups::LaneOrder;
 pub(crate) use shared::Bound;
 
-use crate::buffer::Storage;
 use crate::error::flag_of;
 use crate::kernel::Access;
 use crate::plan::{Plan, Step};
@@ -25,7 +24,7 @@ pub(crate) fn name() -> String {
     format!("CPU, {} threads", rayon::current_num_threads())
 }
 
-pub(crate) fn allocate(name: &str, bytes: u64) -> Result<Storage> {
+pub(crate) fn allocate(name: &str, bytes: u64) -> Result<RwLock<Vec<u32>>> {
     let out_of_memory = || Error::OutOfMemory {
         buffer: name.to_string(),
         device: "the CPU".to_string(),
@@ -42,7 +41,7 @@ pub(crate) fn allocate(name: &str, bytes: u64) -> Result<Storage> {
     probe.try_reserve_exact(words).map_err(|_| out_of_memory())?;
     drop(probe);
     // Zeroed pages come from the operating system untouched, which a resize of the probe would not.
-    Ok(Storage::Cpu(RwLock::new(vec![0; words])))
+    Ok(RwLock::new(vec![0; words]))
 }
 
 /// Memory that can still be had without swapping, bytes, where the system tells (Linux).
@@ -58,13 +57,6 @@ pub(crate) fn lock_read(memory: &RwLock<Vec<u32>>) -> RwLockReadGuard<'_, Vec<u3
 
 pub(crate) fn lock_write(memory: &RwLock<Vec<u32>>) -> RwLockWriteGuard<'_, Vec<u32>> {
     memory.write().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn memory(buffer: &crate::Buffer) -> &RwLock<Vec<u32>> {
-    match buffer.storage() {
-        Storage::Cpu(memory) => memory,
-        Storage::Gpu(_) => unreachable!("a buffer belongs to the device that made it"),
-    }
 }
 
 enum Guard<'a> {
@@ -83,7 +75,7 @@ impl Cpu {
             let start = Instant::now();
             let stage = match step {
                 Step::Clear { stage, buffer } => {
-                    lock_write(memory(buffer)).fill(0);
+                    lock_write(buffer.on_cpu()).fill(0);
                     stage
                 }
                 Step::Run { stage, kernel, groups, buffers } => {
@@ -92,8 +84,8 @@ impl Cpu {
                         .iter()
                         .zip(buffers)
                         .map(|(binding, buffer)| match binding.access {
-                            Access::One | Access::In => Guard::Read(lock_read(memory(buffer))),
-                            Access::Out => Guard::Write(lock_write(memory(buffer))),
+                            Access::One | Access::In => Guard::Read(lock_read(buffer.on_cpu())),
+                            Access::Out => Guard::Write(lock_write(buffer.on_cpu())),
                         })
                         .collect();
                     let bound: Vec<_> = guards

@@ -1,7 +1,7 @@
 //! Which GPUs there are, and opening one.
 
-use super::{Gpu, pipelines};
-use crate::{Error, Result};
+use super::{Gpu, passthrough, pipelines};
+use crate::{Error, Precision, Result};
 use pollster::block_on;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -28,6 +28,8 @@ pub struct AdapterReport {
     pub workgroup_memory_bytes: u32,
     /// Whether the exact kernels run on it.
     pub exact: bool,
+    /// Whether kernels run on it at all; if not exactly, then by wgpu's translation of the fast ones.
+    pub usable: bool,
     /// Why not; or what to know about it; or "".
     pub reason: String,
 }
@@ -41,10 +43,12 @@ fn enumerate() -> Vec<wgpu::Adapter> {
     block_on(instance().enumerate_adapters(wgpu::Backends::all()))
 }
 
+/// The environment variable that has every GPU treated as one without passthrough.
+const PORTABLE: &str = "CAUSTIC_PORTABLE";
+
 /// Mesa's software Vulkan ends all loops of an invocation after 65,535 iterations together (its constant
-/// `LP_MAX_TGSI_LOOP_ITERATIONS`) and says nothing.
-const LLVMPIPE: &str =
-    "it cuts a search off after some ten thousand candidates: use it for tests and --device cpu for pictures";
+/// `LP_MAX_TGSI_LOOP_ITERATIONS`) and says nothing; caustic notices.
+const LLVMPIPE: &str = "it cannot search hundreds of thousands of photons for one point: then there is an error";
 
 fn is_llvmpipe(info: &wgpu::AdapterInfo) -> bool {
     info.name.to_lowercase().contains("llvmpipe")
@@ -53,12 +57,15 @@ fn is_llvmpipe(info: &wgpu::AdapterInfo) -> bool {
 fn report(index: usize, adapter: &wgpu::Adapter) -> AdapterReport {
     let info = adapter.get_info();
     let limits = adapter.limits();
-    let reason = if info.backend != wgpu::Backend::Vulkan {
+    let usable = limits.max_storage_buffers_per_shader_stage >= pipelines::most_bindings();
+    let reason = if !usable {
+        "the driver allows too few storage buffers a stage"
+    } else if std::env::var_os(PORTABLE).is_some() {
+        "CAUSTIC_PORTABLE asks for the portable path"
+    } else if info.backend != wgpu::Backend::Vulkan {
         "only Vulkan takes SPIR-V unchanged"
     } else if !adapter.features().contains(wgpu::Features::PASSTHROUGH_SHADERS) {
         "the driver does not offer shader passthrough"
-    } else if limits.max_storage_buffers_per_shader_stage < pipelines::most_bindings() {
-        "the driver allows too few storage buffers a stage"
     } else {
         ""
     };
@@ -82,6 +89,7 @@ fn report(index: usize, adapter: &wgpu::Adapter) -> AdapterReport {
         max_workgroup_lanes: limits.max_compute_invocations_per_workgroup,
         workgroup_memory_bytes: limits.max_compute_workgroup_storage_size,
         exact,
+        usable,
         reason: reason.to_string(),
     }
 }
@@ -92,26 +100,31 @@ pub fn adapters() -> Vec<AdapterReport> {
     enumerate().iter().enumerate().map(|(i, adapter)| report(i, adapter)).collect()
 }
 
-/// The first hardware GPU that can run the exact kernels, if there is one.
-pub(crate) fn open_hardware() -> Result<Option<Gpu>> {
+fn runs(report: &AdapterReport, precision: Precision) -> bool {
+    report.exact || (precision == Precision::Fast && report.usable)
+}
+
+/// The first hardware GPU that can run kernels of this precision, if there is one.
+pub(crate) fn open_hardware(precision: Precision) -> Result<Option<Gpu>> {
     for (i, adapter) in enumerate().into_iter().enumerate() {
         let report = report(i, &adapter);
-        if report.exact && report.kind != "software" {
-            return open_adapter(&adapter, &report).map(Some);
+        if runs(&report, precision) && report.kind != "software" {
+            return open_adapter(&adapter, &report, precision).map(Some);
         }
     }
     Ok(None)
 }
 
-/// The GPU with this index or with this text in its name; without either the first that can run the exact kernels,
-/// hardware before software.
-pub(crate) fn open(wanted: Option<&str>) -> Result<Gpu> {
+/// The GPU with this index or with this text in its name; without either the first that can run kernels of this precision,
+/// exact before portable and hardware before software.
+pub(crate) fn open(wanted: Option<&str>, precision: Precision) -> Result<Gpu> {
     let adapters = enumerate();
     let reports: Vec<_> = adapters.iter().enumerate().map(|(i, adapter)| report(i, adapter)).collect();
     let chosen = match wanted {
         None => {
             let exact = |software: bool| reports.iter().find(|r| r.exact && (r.kind == "software") == software);
-            exact(false).or_else(|| exact(true)).or(reports.first())
+            let usable = || reports.iter().find(|report| runs(report, precision));
+            exact(false).or_else(|| exact(true)).or_else(usable).or(reports.first())
         }
         Some(text) => {
             let by_index = text.parse::<usize>().ok().and_then(|i| reports.get(i));
@@ -127,21 +140,22 @@ pub(crate) fn open(wanted: Option<&str>) -> Result<Gpu> {
             available: if names.is_empty() { "none".to_string() } else { names.join(", ") },
         });
     };
-    open_adapter(&adapters[chosen.index], chosen)
+    open_adapter(&adapters[chosen.index], chosen, precision)
 }
 
-fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport) -> Result<Gpu> {
+fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport, precision: Precision) -> Result<Gpu> {
     let not_exact = |reason: String| Error::NotExact { device: report.name.clone(), reason };
-    if !report.exact {
+    if !runs(report, precision) {
         return Err(not_exact(report.reason.clone()));
     }
     let limits = adapter.limits();
     let timestamps = adapter.features() & wgpu::Features::TIMESTAMP_QUERY;
+    let passthrough = if report.exact { wgpu::Features::PASSTHROUGH_SHADERS } else { wgpu::Features::empty() };
     let descriptor = wgpu::DeviceDescriptor {
         label: Some("caustic"),
-        required_features: wgpu::Features::PASSTHROUGH_SHADERS | timestamps,
+        required_features: passthrough | timestamps,
         required_limits: limits.clone(),
-        experimental_features: pipelines::experimental_features(),
+        experimental_features: passthrough::experimental_features(),
         ..Default::default()
     };
     let (device, queue) = block_on(adapter.request_device(&descriptor)).map_err(|e| not_exact(e.to_string()))?;
@@ -151,9 +165,16 @@ fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport) -> Result<Gpu> 
         *lost_by_callback.lock().unwrap_or_else(PoisonError::into_inner) = Some(format!("{reason:?}: {message}"));
     });
     let timestamp_period = (!timestamps.is_empty()).then(|| queue.get_timestamp_period());
+    let note = match (report.exact, precision) {
+        (true, Precision::Fast) => "fast: not exact".to_string(),
+        (true, Precision::Exact) => report.reason.clone(),
+        (false, _) => format!("portable path: not exact here, {}", report.reason),
+    };
     Ok(Gpu {
         name: format!("{} ({}, {})", report.name, report.backend, report.driver),
-        note: report.reason.clone(),
+        note,
+        precision,
+        portable: !report.exact,
         device,
         queue,
         limits,

@@ -1,10 +1,11 @@
 //! The GPU backend: wgpu, with the SPIR-V handed to the Vulkan driver word for word.
 //!
 //! wgpu's ordinary path translates shaders and drops the NoContraction decorations that keep a result exact, so kernels are
-//! loaded by passthrough, which Vulkan alone offers.
+//! loaded by passthrough, which Vulkan alone offers. Where it is missing, the fast kernels take the ordinary, portable path.
 
 mod adapters;
 mod memory;
+mod passthrough;
 mod pipelines;
 mod submit;
 
@@ -13,7 +14,7 @@ pub(crate) use adapters::{open, open_hardware};
 pub use pipelines::{ShaderManifest, manifest};
 
 use crate::kernel::Kernel;
-use crate::{Error, Result};
+use crate::{Error, Precision, Result};
 use pipelines::Pipeline;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -21,6 +22,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(crate) struct Gpu {
     name: String,
     note: String,
+    precision: Precision,
+    /// Whether wgpu translates the kernels.
+    portable: bool,
     device: wgpu::Device,
     queue: wgpu::Queue,
     limits: wgpu::Limits,
@@ -34,6 +38,10 @@ pub(crate) struct Gpu {
 impl Gpu {
     pub(crate) fn name(&self) -> String {
         self.name.clone()
+    }
+
+    pub(crate) fn is_exact(&self) -> bool {
+        self.precision == Precision::Exact && !self.portable
     }
 
     /// What its user should know about it, or "".

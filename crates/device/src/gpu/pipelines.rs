@@ -1,11 +1,9 @@
 //! The embedded SPIR-V, and the pipelines made of it.
-#![allow(unsafe_code)] // passthrough: the driver gets words that wgpu does not look into
 
-use super::Gpu;
+use super::{Gpu, passthrough};
 use crate::kernel::{Access, Kernel};
 use crate::{Error, Result};
 use serde::Deserialize;
-use std::borrow::Cow;
 use std::sync::{Arc, PoisonError};
 
 const MANIFEST: &str = include_str!("../../shaders/manifest.json");
@@ -57,31 +55,6 @@ pub(super) fn most_bindings() -> u32 {
     Kernel::ALL.iter().map(|kernel| kernel.bindings().len()).max().unwrap_or(0) as u32
 }
 
-/// Passthrough counts as experimental in wgpu.
-pub(super) fn experimental_features() -> wgpu::ExperimentalFeatures {
-    // SAFETY: what wgpu asks for is that the shaders be correct; see `load`.
-    unsafe { wgpu::ExperimentalFeatures::enabled() }
-}
-
-/// Hands a kernel's SPIR-V to the driver.
-fn load(device: &wgpu::Device, kernel: Kernel) -> wgpu::ShaderModule {
-    let words: Vec<u32> =
-        kernel.spirv().chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-    let entry_point = wgpu::PassthroughShaderEntryPoint {
-        name: Cow::Borrowed(kernel.entry_point()),
-        workgroup_size: (kernel.lanes(), 1, 1),
-    };
-    let descriptor = wgpu::ShaderModuleDescriptorPassthrough {
-        label: Some(kernel.entry_point()),
-        entry_points: Cow::Borrowed(&[entry_point]),
-        spirv: Some(Cow::Owned(words)),
-        ..Default::default()
-    };
-    // SAFETY: the module was validated when it was built, its bindings and workgroup size are those of `stages!` (a test
-    // compares them with the manifest), and rust-gpu checks the bounds of every buffer access.
-    unsafe { device.create_shader_module_passthrough(descriptor) }
-}
-
 impl Gpu {
     /// The pipeline of a kernel, made when it is first used.
     pub(super) fn pipeline(&self, kernel: Kernel) -> Result<Arc<Pipeline>> {
@@ -97,6 +70,19 @@ impl Gpu {
         let made = Arc::new(made);
         pipelines.insert(kernel, Arc::clone(&made));
         Ok(made)
+    }
+
+    /// The module of a kernel: word for word, or translated where that is not possible.
+    fn load(&self, kernel: Kernel) -> wgpu::ShaderModule {
+        let spirv = kernel.spirv(self.precision);
+        let words = spirv.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+        if !self.portable {
+            return passthrough::load(&self.device, kernel, words);
+        }
+        self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some(kernel.entry_point()),
+            source: wgpu::ShaderSource::SpirV(words.into()),
+        })
     }
 
     fn make_pipeline(&self, kernel: Kernel) -> Pipeline {
@@ -128,7 +114,7 @@ impl Gpu {
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
             layout: Some(&pipeline_layout),
-            module: &load(&self.device, kernel),
+            module: &self.load(kernel),
             entry_point: label,
             // Kernels write shared memory before they read it; passthrough would not zero it anyway.
             compilation_options: wgpu::PipelineCompilationOptions {

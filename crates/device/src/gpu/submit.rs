@@ -1,20 +1,12 @@
 //! From a plan to one submission.
 
 use super::Gpu;
-use crate::buffer::{Buffer, Storage};
 use crate::plan::{Plan, Step};
 use crate::timing::Timings;
 use crate::{Error, Result};
 
 /// Most workgroups along one axis of a dispatch that every adapter allows.
 const AXIS: u32 = 65535;
-
-fn memory(buffer: &Buffer) -> &wgpu::Buffer {
-    match buffer.storage() {
-        Storage::Gpu(memory) => memory,
-        Storage::Cpu(_) => unreachable!("a buffer belongs to the device that made it"),
-    }
-}
 
 /// Two time stamps a stage: begin and end.
 struct Stamps {
@@ -30,7 +22,7 @@ impl Gpu {
         let mut stamps = self.stamps(plan.steps.len());
         for step in &plan.steps {
             match step {
-                Step::Clear { buffer, .. } => encoder.clear_buffer(memory(buffer), 0, None),
+                Step::Clear { buffer, .. } => encoder.clear_buffer(buffer.on_gpu(), 0, None),
                 Step::Run { stage, kernel, groups, buffers } => {
                     let pipeline = self.pipeline(*kernel)?;
                     let entries: Vec<_> = buffers
@@ -38,7 +30,7 @@ impl Gpu {
                         .enumerate()
                         .map(|(i, buffer)| wgpu::BindGroupEntry {
                             binding: i as u32,
-                            resource: memory(buffer).as_entire_binding(),
+                            resource: buffer.on_gpu().as_entire_binding(),
                         })
                         .collect();
                     let refused = |error: wgpu::Error| Error::Stage {

@@ -105,8 +105,7 @@ impl Power {
     #[inline]
     pub(super) fn align(&mut self, photon: &Photon) {
         let power = photon.power;
-        self.largest =
-            [max(self.largest[0], power[0]), max(self.largest[1], power[1]), max(self.largest[2], power[2])];
+        self.largest = [max(self.largest[0], power[0]), max(self.largest[1], power[1]), max(self.largest[2], power[2])];
         self.sums = [Sum::new(self.largest[0]), Sum::new(self.largest[1]), Sum::new(self.largest[2])];
     }
 

@@ -9,8 +9,12 @@ use super::float::{canonical, flush};
 /// `x / 0` is ±∞, `0 / 0` and `∞ / ∞` are [`NAN`]. Vulkan lets a native quotient be 2.5 ulp off (Vulkan specification,
 /// "Precision and Operation of SPIR-V Instructions"), and some devices use all of it; so a GPU corrects a native
 /// quotient by [`div_corrected`], while Rust defines the CPU's to be IEEE 754's. The tests hold one against the other.
+///
+/// Fast: the driver's own quotient.
 #[inline]
 pub fn div(a: f32, b: f32) -> f32 {
+    #[cfg(all(target_arch = "spirv", feature = "fast"))]
+    return a / b;
     #[cfg(target_arch = "spirv")]
     return {
         let (numerator, denominator) = scaled_operands(a, b);
@@ -20,7 +24,7 @@ pub fn div(a: f32, b: f32) -> f32 {
     canonical(flush(flush(a) / flush(b)))
 }
 
-/// `1 / x`, correctly rounded: [`div`].
+/// `1 / x`, rounded as [`div`] does.
 #[inline]
 pub fn recip(x: f32) -> f32 {
     div(1.0, x)

@@ -3,7 +3,7 @@
 //! Everything is [`exp2_sum`] or [`log2_sum`] times something, and every product is [`times`]: operands are cut into
 //! halves of 12 bits, whose products are exact, and what is left over is carried in a second float (Dekker, "A
 //! floating-point technique for extending the available precision", 1971). No step comes near the subnormal range,
-//! unless to add something to 1 that is far below its last bit.
+//! unless to add something to 1 that is far below its last bit. Fast: the driver's own.
 
 use super::float::{INFINITY, NAN, SIGN, is_nan};
 
@@ -13,6 +13,8 @@ use super::float::{INFINITY, NAN, SIGN, is_nan};
 /// "Elementary Functions" (2016), chapter 11; a minimax polynomial of degree 7 (Lawson's iteration, 10⁻¹⁰ off).
 #[inline]
 pub fn exp2(x: f32) -> f32 {
+    #[cfg(all(target_arch = "spirv", feature = "fast"))]
+    return spirv_std::num_traits::Float::exp2(x);
     if is_nan(x) { NAN } else { exp2_sum(bounded(x), 0.0) }
 }
 
@@ -23,6 +25,8 @@ pub fn exp2(x: f32) -> f32 {
 /// (1980).
 #[inline]
 pub fn exp(x: f32) -> f32 {
+    #[cfg(all(target_arch = "spirv", feature = "fast"))]
+    return spirv_std::num_traits::Float::exp(x);
     if is_nan(x) {
         return NAN;
     }
@@ -37,6 +41,8 @@ pub fn exp(x: f32) -> f32 {
 /// logarithm function" (1990), without the table; a minimax polynomial of degree 7 (Lawson's iteration, 10⁻¹¹ off).
 #[inline]
 pub fn log2(x: f32) -> f32 {
+    #[cfg(all(target_arch = "spirv", feature = "fast"))]
+    return spirv_std::num_traits::Float::log2(x);
     if is_special(x) {
         return special_log(x);
     }
@@ -49,6 +55,8 @@ pub fn log2(x: f32) -> f32 {
 /// The special cases are those of [`log2`], of which this is the value before its last rounding, times ln 2.
 #[inline]
 pub fn ln(x: f32) -> f32 {
+    #[cfg(all(target_arch = "spirv", feature = "fast"))]
+    return spirv_std::num_traits::Float::ln(x);
     if is_special(x) {
         return special_log(x);
     }
@@ -67,6 +75,8 @@ pub fn ln(x: f32) -> f32 {
 /// ulp.
 #[inline]
 pub fn pow(x: f32, y: f32) -> f32 {
+    #[cfg(all(target_arch = "spirv", feature = "fast"))]
+    return spirv_std::num_traits::Float::powf(x, y);
     if is_nan(x) || is_nan(y) {
         return NAN;
     }

@@ -2,8 +2,8 @@
 
 use crate::exec::Store;
 use crate::num::{
-    Sum, div, exp, exp2, f32_to_u32_clamped, flush, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns,
-    sqrt, total_order_key,
+    Sum, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns, sqrt,
+    total_order_key,
 };
 use bytemuck::{Pod, Zeroable};
 
@@ -75,8 +75,7 @@ pub fn arithmetic<R: Store<Arithmetic> + ?Sized>(i: u32, params: &ArithmeticPara
             quotient: div(a, b).to_bits(),
             root: sqrt(a).to_bits(),
             inverse_root: inv_sqrt(a).to_bits(),
-            // A zero sine may have either sign.
-            sin_cos: [(flush(sin) + 0.0).to_bits(), cos.to_bits()],
+            sin_cos: [sin.to_bits(), cos.to_bits()],
             exponentials: [exp2(a).to_bits(), exp(a).to_bits()],
             logarithms: [log2(a).to_bits(), ln(a).to_bits()],
             power: pow(a, b).to_bits(),

@@ -1,10 +1,10 @@
 //! Camera paths, down to the first diffuse surface.
 
+use super::MAX_BOUNCES;
 use super::intersect::{LOST, MISS, closest_hit, leave, surface_at};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
 use super::vector::{dot, normalize};
-use super::MAX_BOUNCES;
 use crate::exec::Store;
 use crate::layout::Query;
 use crate::num::{Rng, div, pcg4d, shuffle_index, sobol2};

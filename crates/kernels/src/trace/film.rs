@@ -1,7 +1,7 @@
 //! The film: a pixel is the mean of its samples.
 
-use super::camera::Vertex;
 use super::LOST;
+use super::camera::Vertex;
 use crate::exec::Store;
 use crate::gather::CUT_SHORT;
 use crate::layout::Irradiance;

@@ -11,6 +11,7 @@ mod tests;
 pub use error::OutputError;
 pub use png_file::{from_srgb8, to_srgb8};
 
+use sha2::{Digest, Sha256};
 use std::path::Path;
 
 /// Most pixels along one side of a picture.
@@ -25,6 +26,15 @@ pub struct Image {
     pub height: u32,
     /// Radiance, W·sr⁻¹·m⁻², for each of red, green and blue (primaries of sRGB), row by row from the top left.
     pub rgb: Vec<[f32; 3]>,
+}
+
+impl Image {
+    /// SHA-256 of the floats, row by row, in little-endian order.
+    #[must_use]
+    pub fn sha256(&self) -> String {
+        let bytes: Vec<u8> = self.rgb.as_flattened().iter().flat_map(|value| value.to_le_bytes()).collect();
+        Sha256::digest(bytes).iter().fold(String::new(), |text, byte| format!("{text}{byte:02x}"))
+    }
 }
 
 /// What an EXR says about how its picture was made, in the attributes `caustic.version`, `caustic.scene`, `caustic.seed` and

@@ -1,0 +1,55 @@
+//! Which words of a record are floats.
+
+use bytemuck::Pod;
+use caustic_kernels::gather::GatherParams;
+use caustic_kernels::grid::Grid;
+use caustic_kernels::layout::{Irradiance, Neighbour, Photon, Query};
+use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
+use caustic_kernels::sort::{RadixPass, ScanParams};
+use caustic_kernels::trace::{
+    Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+};
+
+/// A record whose words are known to be floats or integers.
+pub trait Record: Pod {
+    /// A letter a word: `f` for a float, `u` for an integer.
+    const WORDS: &'static str;
+}
+
+macro_rules! records {
+    ($($name:ty: $words:literal),* $(,)?) => {
+        $(impl Record for $name {
+            const WORDS: &'static str = {
+                assert!(4 * $words.len() == size_of::<$name>());
+                $words
+            };
+        })*
+    };
+}
+
+records! {
+    u32: "u",
+    f32: "f",
+    Photon: "fffufffu",
+    Query: "fffu",
+    Neighbour: "fu",
+    Irradiance: "fffu",
+    Grid: "ffffuuuuuufff",
+    GatherParams: "uu",
+    RadixPass: "uuuu",
+    ScanParams: "uu",
+    PhotonPass: "uuuuuu",
+    SceneInfo: "uuu",
+    Primitive: "uuufffffffffffff",
+    Material: "fffuff",
+    Light: "fffufffuffffffffffff",
+    Target: "ffff",
+    CameraTile: "uuuu",
+    Camera: "fffufffuffffff",
+    Vertex: "fffuffffff",
+    FilmTile: "uuuu",
+    Pixel: "fffuuuu",
+    // Bits of operands and results, NaN among them.
+    Arithmetic: "uuuuuuuuuuuuuuuuuu",
+    ArithmeticParams: "uuu",
+}

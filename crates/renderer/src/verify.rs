@@ -1,0 +1,218 @@
+//! Whether a GPU computes what the CPU computes: every kernel on random inputs, and a small render of each built-in scene.
+
+use crate::scene::{BUILT_IN, Scene};
+use crate::{Progress, RenderError, Settings, Show, render};
+use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, StageComparison};
+use caustic_kernels::layout::{Photon, Query};
+use caustic_kernels::num::{pcg4d, u32_to_unit};
+use caustic_kernels::probe::{Arithmetic, ArithmeticParams, LAYOUT_WORDS, LAYOUTS};
+use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
+use serde::Serialize;
+
+/// Pairs of operands of the arithmetic probe.
+const PAIRS: u32 = 1 << 18;
+/// Photons of the synthetic maps: so few that a sorted list of them stays within the 65,535 steps that llvmpipe allows.
+const PHOTONS: u32 = 2500;
+/// Queries of the synthetic maps.
+const QUERIES: u32 = 400;
+/// Photons sought: one number for each compiled capacity.
+const KS: [u32; 4] = [10, 50, 100, 270];
+/// A float whose bits number the words of a record: normal, so that no device flushes it.
+const NUMBERED: u32 = 0x3f80_0000;
+
+/// The picture of one scene from both devices.
+#[derive(Clone, Debug, Serialize)]
+pub struct ImageComparison {
+    /// The scene.
+    pub scene: &'static str,
+    /// Floats compared and what was found.
+    #[serde(flatten)]
+    pub difference: Difference,
+    /// SHA-256 of the CPU's floats.
+    pub cpu_sha256: String,
+    /// SHA-256 of the GPU's floats.
+    pub gpu_sha256: String,
+}
+
+/// What was found.
+#[derive(Clone, Debug, Serialize)]
+pub struct Verification {
+    /// The GPU.
+    pub device: String,
+    /// Whether it is meant to be exact.
+    pub exact: bool,
+    /// Seed of the random inputs.
+    pub seed: u32,
+    /// A row a kernel.
+    pub stages: Vec<StageComparison>,
+    /// A row a scene, unless stages were told to go on with the GPU's own results.
+    pub images: Vec<ImageComparison>,
+    /// Records whose fields the GPU and the CPU look for in different places, or not where the host puts them.
+    pub layouts_wrong: Vec<String>,
+}
+
+impl Verification {
+    /// Whether no word differs, no float is NaN and every record has one layout.
+    #[must_use]
+    pub fn same(&self) -> bool {
+        self.layouts_wrong.is_empty()
+            && self.stages.iter().all(|row| row.difference.is_none())
+            && self.images.iter().all(|row| row.difference.is_none())
+    }
+
+    /// The first difference of all, by stages, then by pictures.
+    #[must_use]
+    pub fn first(&self) -> Option<(&str, &FirstDifference)> {
+        let stages = self.stages.iter().map(|row| (row.stage, &row.difference));
+        let images = self.images.iter().map(|row| (row.scene, &row.difference));
+        stages.chain(images).find_map(|(name, difference)| Some((name, difference.first.as_ref()?)))
+    }
+}
+
+/// Runs every kernel on the CPU and on `gpu`, each stage with the same inputs, and renders each built-in scene on both. With
+/// `gpu_from`, the GPU goes on with its own results from that stage on, and pictures are compared as the film's stage.
+///
+/// `progress` is told what is done, and stops the work by returning false.
+///
+/// # Errors
+/// [`RenderError::Interrupted`], and what devices and maps report.
+pub fn verify(
+    gpu: &Device,
+    gpu_from: Option<Kernel>,
+    seed: u32,
+    progress: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Verification, RenderError> {
+    let total = 6 + BUILT_IN.len() as u64;
+    let mut done = 0;
+    let mut tick = |phase| {
+        let goes_on = progress(Progress { phase, done, total });
+        done += 1;
+        if goes_on { Ok(()) } else { Err(RenderError::Interrupted) }
+    };
+    let twin = gpu.twin(gpu_from);
+    tick("arithmetic")?;
+    arithmetic(&twin, seed)?;
+    tick("layouts")?;
+    let layouts_wrong = layouts(&twin, gpu)?;
+    tick("sort")?;
+    let keys: Vec<u32> = (0..100_000).map(|i| pcg4d([seed, i, 1, 0])[0]).collect();
+    let keys = twin.upload("keys", &keys)?;
+    let mut plan = Plan::new();
+    RadixSort::plan(&twin, &mut plan, &keys, 100_000, 32)?;
+    twin.run(&plan)?;
+    for (hash, phase) in [(Hash::Linear, "linear map"), (Hash::Teschner, "Teschner map"), (Hash::Morton, "Morton map")]
+    {
+        tick(phase)?;
+        map(&twin, hash, seed)?;
+    }
+    let mut images = Vec::new();
+    for (built_in, hash) in BUILT_IN.iter().zip([Hash::Linear, Hash::Teschner, Hash::Morton].into_iter().cycle()) {
+        tick(built_in.name)?;
+        let Ok(scene) = Scene::parse(built_in.name, built_in.text) else { unreachable!("built-in scenes are tested") };
+        let settings = small(&scene, hash, seed);
+        let expected = render(&scene, &settings, &twin, &mut |_| true)?.image;
+        if gpu_from.is_none() {
+            let found = render(&scene, &settings, gpu, &mut |_| true)?.image;
+            images.push(ImageComparison {
+                scene: built_in.name,
+                difference: Difference::of::<f32>("image", expected.rgb.as_flattened(), found.rgb.as_flattened()),
+                cpu_sha256: expected.sha256(),
+                gpu_sha256: found.sha256(),
+            });
+        }
+    }
+    Ok(Verification {
+        device: gpu.name(),
+        exact: gpu.is_exact(),
+        seed,
+        stages: twin.comparisons(),
+        images,
+        layouts_wrong,
+    })
+}
+
+/// Settings under which a scene shows all its parts in a second.
+fn small(scene: &Scene, hash: Hash, seed: u32) -> Settings {
+    let defaults = Settings::of(scene);
+    Settings {
+        size: [40, 30],
+        photons: 20_000,
+        caustic_photons: 10_000,
+        k: 60,
+        spp: 2,
+        hash,
+        gather: Gather::Auto,
+        seed,
+        show: Show::Beauty,
+        ..defaults
+    }
+}
+
+fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
+    let params = twin.upload("probe: params", &[ArithmeticParams { first: seed, count: PAIRS, seed }])?;
+    let results = twin.buffer::<Arithmetic>("probe: results", u64::from(PAIRS))?;
+    let mut plan = Plan::new();
+    plan.each(Kernel::ProbeArithmetic, PAIRS, &[&params, &results]);
+    Ok(twin.run(&plan)?)
+}
+
+/// Runs the layout kernels, and names the records that are not laid out as the host lays them out, on either device.
+fn layouts(twin: &Device, gpu: &Device) -> Result<Vec<String>, RenderError> {
+    let mut wrong = Vec::new();
+    for kernel in [Kernel::LayoutMap, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm] {
+        let found = [layout_words(twin, kernel)?, layout_words(gpu, kernel)?];
+        let records = LAYOUTS.iter().find(|(name, _)| *name == kernel.entry_point()).map_or(&[][..], |row| row.1);
+        let mut at = 0;
+        for &(record, words) in records {
+            // Its size, then its fields one after another.
+            let expected: Vec<u32> =
+                std::iter::once(words as u32).chain(0..words as u32).map(|word| NUMBERED + word).collect();
+            if found.iter().any(|found| found[at..].get(..=words) != Some(&expected[..])) {
+                wrong.push(record.to_string());
+            }
+            at += words + 1;
+        }
+    }
+    Ok(wrong)
+}
+
+fn layout_words(device: &Device, kernel: Kernel) -> Result<Vec<u32>, RenderError> {
+    let words = device.buffer::<u32>("probe: layout", u64::from(LAYOUT_WORDS))?;
+    let mut buffers = Vec::new();
+    let bindings = kernel.bindings();
+    for binding in &bindings[..bindings.len() - 1] {
+        let numbered: Vec<u32> = (0..2 * binding.record_bytes / 4).map(|word| NUMBERED + word).collect();
+        buffers.push(device.upload("probe: numbered words", &numbered)?);
+    }
+    let mut all: Vec<&Buffer> = buffers.iter().collect();
+    all.push(&words);
+    let mut plan = Plan::new();
+    plan.each(kernel, 1, &all);
+    device.run(&plan)?;
+    Ok(device.read(&words, u64::from(LAYOUT_WORDS))?)
+}
+
+/// Builds a map of random photons, some of them crowded, and searches it in every way.
+fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
+    let unit = |i: u32, stream: u32| {
+        let random = pcg4d([seed, i, stream, hash.code()]);
+        [random[0], random[1], random[2]].map(u32_to_unit)
+    };
+    let place = |i: u32, stream: u32| {
+        let [x, y, z] = unit(i, stream);
+        if i % 16 == 0 { [0.4 + 0.01 * x, 0.5 + 0.01 * y, 0.5] } else { [x - 0.5, y, 3.0 * z] }
+    };
+    let photons: Vec<Photon> = (0..PHOTONS)
+        .map(|i| Photon { position: place(i, 2), power: unit(i, 3).map(|u| u * u), direction: i, primitive: i % 7 })
+        .collect();
+    let mut queries: Vec<Query> = (0..QUERIES).map(|i| Query { position: place(i, 4), active: 1 }).collect();
+    queries[1].active = 0;
+    let map = PhotonMap::build(twin, &photons, &MapOptions { radius: 0.35, hash, table: None })?;
+    for k in KS {
+        for gather in [Gather::Histogram, Gather::Heap, Gather::List] {
+            map.irradiance(twin, &queries, k, gather)?;
+            map.k_nearest(twin, &queries, k, gather)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,167 @@
+//! Large private arrays are not zeroed before their first use.
+//!
+//! Rust has every array initialised; rust-gpu writes that as one store of a composite with every element. A driver spends
+//! a minute and more on such a store for 1025 elements (llvmpipe: 90 s a kernel), and each invocation fills kilobytes that
+//! it overwrites before it reads them. So the store is taken apart, and arrays of more than [`SMALL`] elements in a struct
+//! are left out of it. Kernels keep the rule that they read nothing of such an array that they have not written
+//! (`caustic_kernels::exec`); a test on the CPU fills them with rubbish instead of zeros.
+
+use crate::forward::remove_unused;
+use anyhow::{Context, Result};
+use rspirv::dr::{Instruction, Module, Operand};
+use rspirv::spirv::{Op, StorageClass};
+use std::collections::BTreeMap;
+
+/// Arrays up to this many elements keep their initial values.
+const SMALL: u32 = 32;
+
+/// Leaves large arrays out of the stores that initialise structs.
+pub fn leave_undefined(module: &mut Module) -> Result<()> {
+    let globals: BTreeMap<u32, Instruction> =
+        module.types_global_values.iter().filter_map(|inst| Some((inst.result_id?, inst.clone()))).collect();
+    let mut types = Types { module_types: Vec::new(), globals: &globals, bound: bound(module)? };
+    for function in &mut module.functions {
+        let made: BTreeMap<u32, Instruction> = function
+            .all_inst_iter()
+            .filter(|inst| inst.class.opcode == Op::CompositeConstruct)
+            .filter_map(|inst| Some((inst.result_id?, inst.clone())))
+            .collect();
+        let mut changed = false;
+        for block in &mut function.blocks {
+            let mut instructions = Vec::with_capacity(block.instructions.len());
+            for inst in block.instructions.drain(..) {
+                let parts = (inst.class.opcode == Op::Store)
+                    .then(|| made.get(&inst.operands[1].unwrap_id_ref()))
+                    .flatten()
+                    .and_then(|made| Some((made, types.members(made.result_type?)?)));
+                let Some((made, members)) = parts else {
+                    instructions.push(inst);
+                    continue;
+                };
+                let kept: Vec<_> = (0..).zip(&members).filter(|&(_, &member)| !types.is_large_array(member)).collect();
+                if kept.len() == members.len() {
+                    instructions.push(inst);
+                    continue;
+                }
+                changed = true;
+                for (i, &member) in kept {
+                    let pointer = types.pointer(member);
+                    let index = types.index(i).context("the module has no u32")?;
+                    let place = types.new_id();
+                    let variable = inst.operands[0].clone();
+                    instructions.push(Instruction::new(
+                        Op::AccessChain,
+                        Some(pointer),
+                        Some(place),
+                        vec![variable, Operand::IdRef(index)],
+                    ));
+                    let value = made.operands[i as usize].clone();
+                    instructions.push(Instruction::new(Op::Store, None, None, vec![Operand::IdRef(place), value]));
+                }
+            }
+            block.instructions = instructions;
+        }
+        if changed {
+            remove_unused(function);
+        }
+    }
+    let Types { module_types, bound, .. } = types;
+    module.types_global_values.extend(module_types);
+    if let Some(header) = &mut module.header {
+        header.bound = bound;
+    }
+    Ok(())
+}
+
+fn bound(module: &Module) -> Result<u32> {
+    Ok(module.header.as_ref().context("the module has no header")?.bound)
+}
+
+/// The module's types and constants, and those that are added.
+struct Types<'a> {
+    module_types: Vec<Instruction>,
+    globals: &'a BTreeMap<u32, Instruction>,
+    bound: u32,
+}
+
+impl Types<'_> {
+    fn new_id(&mut self) -> u32 {
+        self.bound += 1;
+        self.bound - 1
+    }
+
+    /// Types of a struct's members, if it is one.
+    fn members(&self, id: u32) -> Option<Vec<u32>> {
+        let inst = self.globals.get(&id).filter(|inst| inst.class.opcode == Op::TypeStruct)?;
+        Some(inst.operands.iter().map(Operand::unwrap_id_ref).collect())
+    }
+
+    fn is_large_array(&self, id: u32) -> bool {
+        let length = self
+            .globals
+            .get(&id)
+            .filter(|inst| inst.class.opcode == Op::TypeArray)
+            .and_then(|inst| self.globals.get(&inst.operands[1].unwrap_id_ref()));
+        length.is_some_and(|length| matches!(length.operands[0], Operand::LiteralBit32(n) if n > SMALL))
+    }
+
+    fn known(&self, same: impl Fn(&Instruction) -> bool) -> Option<u32> {
+        self.globals.values().chain(&self.module_types).find(|inst| same(inst)).and_then(|inst| inst.result_id)
+    }
+
+    fn add(&mut self, op: Op, result_type: Option<u32>, operands: Vec<Operand>) -> u32 {
+        let same = |inst: &Instruction| {
+            inst.class.opcode == op && inst.result_type == result_type && inst.operands == operands
+        };
+        if let Some(id) = self.known(same) {
+            return id;
+        }
+        let id = self.new_id();
+        self.module_types.push(Instruction::new(op, result_type, Some(id), operands));
+        id
+    }
+
+    fn pointer(&mut self, to: u32) -> u32 {
+        let operands = vec![Operand::StorageClass(StorageClass::Function), Operand::IdRef(to)];
+        self.add(Op::TypePointer, None, operands)
+    }
+
+    fn index(&mut self, i: u32) -> Option<u32> {
+        let unsigned = vec![Operand::LiteralBit32(32), Operand::LiteralBit32(0)];
+        let word = self.known(|inst| inst.class.opcode == Op::TypeInt && inst.operands == unsigned)?;
+        Some(self.add(Op::Constant, Some(word), vec![Operand::LiteralBit32(i)]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::kernel;
+
+    /// A kernel that stores a struct of an array of `length` and a float in a variable.
+    fn stores_left(length: u32) -> (usize, usize) {
+        let mut module = kernel(|b, float, x| {
+            let word = b.type_int(32, 0);
+            let n = b.constant_bit32(word, length);
+            let array = b.type_array(float, n);
+            let record = b.type_struct([array, float]);
+            let pointer = b.type_pointer(None, StorageClass::Function, record);
+            let elements: Vec<u32> = (0..length).map(|_| x).collect();
+            let all = b.composite_construct(array, None, elements).unwrap();
+            let value = b.composite_construct(record, None, [all, x]).unwrap();
+            let variable = b.variable(pointer, None, StorageClass::Function, None);
+            b.store(variable, value, None, []).unwrap();
+        });
+        leave_undefined(&mut module).unwrap();
+        let count = |op| module.all_inst_iter().filter(|inst| inst.class.opcode == op).count();
+        (count(Op::Store), count(Op::CompositeConstruct))
+    }
+
+    #[test]
+    fn small_arrays_keep_their_values_and_large_ones_do_not() {
+        let (stores, composites) = stores_left(32);
+        assert_eq!(composites, 2);
+        // One store in place of the other: that of the float.
+        assert_eq!(stores_left(33), (stores, 0));
+    }
+}

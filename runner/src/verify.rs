@@ -1,0 +1,87 @@
+//! `caustic verify`.
+
+use crate::Failure;
+use crate::args::VerifyArguments;
+use crate::progress::Monitor;
+use crate::render::failure;
+use caustic_device::{Device, DeviceChoice, Difference, Error, Kernel, Precision};
+use caustic_renderer::{Verification, verify};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+/// Compares a GPU with the CPU and prints a table.
+pub fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
+    if arguments.device == DeviceChoice::Cpu {
+        return Err(Failure::input("verify compares a GPU with the CPU: --device must be gpu or gpu:NAME_OR_INDEX"));
+    }
+    let choice = if arguments.device == DeviceChoice::Auto { &DeviceChoice::Gpu(None) } else { &arguments.device };
+    let gpu_from = arguments.gpu_from.as_deref().map(stage).transpose()?;
+    let opened = match Device::open_with(choice, arguments.precision.into()) {
+        // Nothing exact can be had: the portable path, and how far off it is.
+        Err(Error::NotExact { .. }) => Device::open_with(choice, Precision::Fast),
+        opened => opened,
+    };
+    let (gpu, line) = opened.map_err(Failure::input)?;
+    eprintln!("{line}");
+    // Fresh inputs every time; the seed that is printed brings them back.
+    let now =
+        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.subsec_nanos() ^ time.as_secs() as u32);
+    let seed = arguments.seed.unwrap_or(now);
+    let mut monitor = Monitor::new(arguments.json);
+    let found = verify(&gpu, gpu_from, seed, &mut |progress| monitor.show(progress));
+    monitor.finish();
+    let found = found.map_err(|error| failure(&error))?;
+    if arguments.json {
+        let mut value = serde_json::to_value(&found).map_err(Failure::machine)?;
+        value["same"] = found.same().into();
+        println!("{value:#}");
+    } else {
+        print(&found);
+    }
+    if found.same() || !found.exact {
+        return Ok(());
+    }
+    Err(Failure::machine(match found.first() {
+        Some((stage, first)) => format!(
+            "{} computes otherwise than the CPU; first in {stage}: {first}. Update its driver, or use --device cpu",
+            found.device
+        ),
+        None => format!("{} lays records out otherwise than the CPU; use --device cpu", found.device),
+    }))
+}
+
+fn stage(name: &str) -> Result<Kernel, Failure> {
+    Kernel::named(name).ok_or_else(|| {
+        let names: Vec<_> = Kernel::ALL.iter().map(|kernel| kernel.entry_point()).collect();
+        Failure::input(format!("--gpu-from {name}: there is no such stage; the stages are {}", names.join(", ")))
+    })
+}
+
+fn print(found: &Verification) {
+    println!("{:<24} {:>12} {:>10} {:>6}  first difference", "stage", "words", "differ", "NaN");
+    let row = |name: &str, difference: &Difference| {
+        let Difference { words, differ, nans, .. } = difference;
+        let first = difference.first.as_ref().map_or(String::new(), ToString::to_string);
+        println!("{name:<24} {words:>12} {differ:>10} {nans:>6}  {first}");
+    };
+    let mut all = Difference::default();
+    for stage in &found.stages {
+        row(stage.stage, &stage.difference);
+        all.add(stage.difference.clone());
+    }
+    for image in &found.images {
+        row(&format!("picture of {}", image.scene), &image.difference);
+        all.add(image.difference.clone());
+    }
+    println!("{:<24} {:>12} {:>10} {:>6}", "all", all.words, all.differ, all.nans);
+    for image in &found.images {
+        let same = if image.cpu_sha256 == image.gpu_sha256 { "the same" } else { &image.gpu_sha256 };
+        println!("SHA-256 of {}: CPU {}, GPU {same}", image.scene, image.cpu_sha256);
+    }
+    if !found.layouts_wrong.is_empty() {
+        println!("records laid out otherwise: {}", found.layouts_wrong.join(", "));
+    }
+    println!("seed {} (--seed brings these inputs back)", found.seed);
+    if !found.exact {
+        println!("not exact here: words differ by up to {} ulp", all.most_ulps);
+    }
+}
