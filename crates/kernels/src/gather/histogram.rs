@@ -46,6 +46,16 @@ struct Bins {
     shift: u32,
 }
 
+impl Bins {
+    /// The squared distances of sixteen binades below `end`, half a binade to a bin.
+    #[inline]
+    fn below(end: u32) -> Self {
+        const SHIFT: u32 = 22;
+        let first = if end > BINS << SHIFT { end - (BINS << SHIFT) } else { 0 };
+        Self { first, end, shift: SHIFT }
+    }
+}
+
 /// Counts candidates by the bits of their squared distance.
 struct ByDistance {
     bins: Bins,
@@ -246,12 +256,8 @@ pub fn gather_irradiance_by_counting<I: Store<Irradiance> + ?Sized>(
     let position = query.position;
     let wanted = params.k + 1;
 
-    // The first bins cover the eight binades below r_max², a quarter of a binade each.
     let last = grid.radius2.to_bits();
-    let mut bins = Bins { first: 0, end: last + 1, shift: 21 };
-    if last >= BINS << 21 {
-        bins.first = bins.end - (BINS << 21);
-    }
+    let mut bins = Bins::below(last + 1);
     let mut whole = true;
     let mut counted = params.k;
     // What the disc reaches to, and how many of the bin come up to it.
@@ -264,7 +270,7 @@ pub fn gather_irradiance_by_counting<I: Store<Irradiance> + ?Sized>(
         whole = search(position, grid, photons, order, starts, ends, &mut count) && whole;
         if count.nearer >= wanted {
             // Only the first bins leave out what is nearer.
-            bins = Bins { first: 0, end: bins.first, shift: 26 };
+            bins = Bins::below(bins.first);
         } else {
             let (bin, before, inside) = bin_of(&count.counts, wanted - count.nearer);
             if bin == BINS {

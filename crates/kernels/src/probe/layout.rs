@@ -96,7 +96,7 @@ layouts! {
     /// Records of scenes.
     layout_scene(
         info: SceneInfo { primitives, lights, targets },
-        primitives: Primitive { kind, material, light, radius, position, normal, duals },
+        primitives: Primitive { kind, material, light, size, position, normal, duals },
         materials: Material { reflectance, kind, ior, survival },
         lights: Light { emission, kind, position, primitive, edges, normal, area, probability, cumulative }
     );

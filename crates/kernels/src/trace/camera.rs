@@ -118,7 +118,7 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
         let scattered = scatter_specular(&material, direction, normal, draw[0]);
         throughput *= scattered.weight;
         direction = scattered.direction;
-        origin = leave(point, scattered.side);
+        origin = leave(point, scattered.side, &primitive);
         bounce += 1;
     }
     queries.set(i, query);

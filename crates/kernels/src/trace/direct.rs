@@ -38,8 +38,9 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
         let choice = pixel_sobol(pixel, sample, tile.seed, CHOICE_KEY);
         let at = pixel_sobol(pixel, sample, tile.seed, POINT_KEY);
         let light = lights[choose_light(choice[0], info, lights) as usize];
-        let normal = Vec3::from_array(vertices[i as usize].normal);
-        let origin = leave(Vec3::from_array(query.position), normal);
+        let vertex = vertices[i as usize];
+        let normal = Vec3::from_array(vertex.normal);
+        let origin = leave(Vec3::from_array(query.position), normal, &primitives[vertex.primitive as usize]);
         let to_light = light_point(&light, at[0], at[1]) - origin;
         let distance2 = dot(to_light, to_light);
         let distance = sqrt(distance2);

@@ -2,7 +2,7 @@
 
 use super::scene::{PRIMITIVE_QUAD, Primitive, SceneInfo};
 use super::vector::{dot, normalize};
-use crate::num::{abs, div, sqrt};
+use crate::num::{abs, div, max, sqrt};
 use glam::Vec3;
 
 /// [`Hit::primitive`] of a ray that hit nothing.
@@ -10,6 +10,11 @@ pub const MISS: u32 = 0xffff_ffff;
 /// [`Hit::primitive`] of a ray that was not followed to its end: after [`MAX_BOUNCES`](super::MAX_BOUNCES), or because the
 /// device ends loops early, as llvmpipe does after 65,535 iterations.
 pub const LOST: u32 = 0xffff_fffe;
+
+/// Farthest that a ray reaches, in lengths of its direction.
+const FARTHEST: f32 = 1e30;
+/// 32 units in the last place of 1.
+const UNITS: f32 = 3.814_697_3e-6;
 
 /// The nearest thing a ray meets.
 #[derive(Clone, Copy)]
@@ -76,35 +81,40 @@ fn intersect(origin: Vec3, direction: Vec3, primitive: &Primitive) -> f32 {
             return 0.0;
         }
         let t = div(dot(normal, position - origin), slope);
-        let local = origin + direction * t - position;
-        let u = dot(local, Vec3::from_array(primitive.duals[0]));
-        let v = dot(local, Vec3::from_array(primitive.duals[1]));
+        // Grazing rays meet the plane too far away for floats, which then are no numbers to compare.
         #[allow(clippy::manual_range_contains)] // plain comparisons, without a range between them and the GPU
-        if u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0 {
-            return t;
+        if t <= 0.0 || t > FARTHEST {
+            return 0.0;
         }
-        return 0.0;
+        let local = origin + direction * t - position;
+        let u = abs(dot(local, Vec3::from_array(primitive.duals[0])));
+        let v = abs(dot(local, Vec3::from_array(primitive.duals[1])));
+        let edge = 0.5 + primitive.size;
+        return if u <= edge && v <= edge { t } else { 0.0 };
     }
     // Haines et al., "Precision Improvements for Ray/Sphere Intersection" (Ray Tracing Gems, chapter 7): the
     // discriminant from the ray's distance to the centre, and the root without cancellation from the other one.
     let f = origin - position;
     let b = -dot(f, direction);
     let nearest = f + direction * b;
-    let discriminant = primitive.radius * primitive.radius - dot(nearest, nearest);
+    let discriminant = primitive.size * primitive.size - dot(nearest, nearest);
     if discriminant < 0.0 {
         return 0.0;
     }
     let root = sqrt(discriminant);
     let q = if b < 0.0 { b - root } else { b + root };
-    let c = dot(f, f) - primitive.radius * primitive.radius;
+    let c = dot(f, f) - primitive.size * primitive.size;
     let other = if q == 0.0 { 0.0 } else { div(c, q) };
     let near = if q < other { q } else { other };
     let far = if q < other { other } else { q };
     if near > 0.0 { near } else { far }
 }
 
-/// The point of a hit and the surface's unit normal there: a quad's front side, a sphere's outside. The point is put
-/// back onto the surface, so that its error is a rounding of the point itself and not of the ray's length.
+/// The point of a hit and the surface's unit normal there: a quad's front side, a sphere's outside.
+///
+/// The point is put back onto the surface, so that its error is a rounding of the point itself and not of the ray's length. On
+/// a quad it is also drawn towards the middle, by more than a quad reaches beyond its edges: at a closed corner no point
+/// comes to lie behind the other wall.
 #[inline]
 #[must_use]
 pub fn surface_at(origin: Vec3, direction: Vec3, t: f32, primitive: &Primitive) -> (Vec3, Vec3) {
@@ -112,32 +122,28 @@ pub fn surface_at(origin: Vec3, direction: Vec3, t: f32, primitive: &Primitive) 
     let point = origin + direction * t;
     if primitive.kind == PRIMITIVE_QUAD {
         let normal = Vec3::from_array(primitive.normal);
-        (point - normal * dot(normal, point - position), normal)
+        let local = point - position;
+        (position + (local - normal * dot(normal, local)) * (1.0 - 8.0 * primitive.size), normal)
     } else {
         let normal = normalize(point - position);
-        (position + normal * primitive.radius, normal)
+        (position + normal * primitive.size, normal)
     }
 }
 
-/// Moves the start of a ray off the surface it leaves, along the unit normal of the side it leaves to, by a few units in
-/// the last place of the coordinates (Wächter and Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
-/// Tracing Gems, chapter 6).
+/// Moves the start of a ray off the primitive it leaves, along the unit normal of the side it leaves to, by 32 units in the
+/// last place of the largest coordinate that the point was computed from.
+///
+/// That is a few times the rounding error of a point on a plane or a sphere and of its distance to it, at any scale, and
+/// nothing like a fixed length (Wächter and Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray Tracing
+/// Gems, chapter 6, who take units of each coordinate, and a fixed length near 0; Pharr, Jakob and Humphreys, "Physically
+/// Based Rendering", 4th edition, section 6.8, for the bounds).
 #[inline]
 #[must_use]
-pub fn leave(point: Vec3, normal: Vec3) -> Vec3 {
-    Vec3::new(leave_axis(point.x, normal.x), leave_axis(point.y, normal.y), leave_axis(point.z, normal.z))
-}
-
-#[inline]
-fn leave_axis(p: f32, n: f32) -> f32 {
-    // Near the origin units in the last place are too small; there the offset is absolute.
-    if abs(p) < 1.0 / 32.0 {
-        return p + n * (1.0 / 65536.0);
-    }
-    let units = (n * 256.0) as i32;
-    let bits = p.to_bits() as i32;
-    let moved = if p < 0.0 { bits - units } else { bits + units };
-    f32::from_bits(moved as u32)
+pub fn leave(point: Vec3, normal: Vec3, primitive: &Primitive) -> Vec3 {
+    let position = primitive.position;
+    let place = max(abs(position[0]), max(abs(position[1]), abs(position[2])));
+    let reach = max(abs(point.x), max(abs(point.y), abs(point.z)));
+    point + normal * (max(reach, max(place, primitive.size)) * UNITS)
 }
 
 #[cfg(test)]
@@ -146,7 +152,7 @@ mod tests {
     use crate::trace::scene::PRIMITIVE_SPHERE;
 
     fn sphere(radius: f32) -> Primitive {
-        Primitive { kind: PRIMITIVE_SPHERE, radius, ..Primitive::default() }
+        Primitive { kind: PRIMITIVE_SPHERE, size: radius, ..Primitive::default() }
     }
 
     #[test]
@@ -162,7 +168,7 @@ mod tests {
     fn a_quad_ends_at_its_edges() {
         let quad = Primitive {
             kind: PRIMITIVE_QUAD,
-            position: [-1.0, -1.0, 0.0],
+            position: [0.0; 3],
             normal: [0.0, 0.0, 1.0],
             duals: [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]],
             ..Primitive::default()
@@ -184,7 +190,7 @@ mod tests {
             let from = centre + outward * 10.0;
             let t = intersect(from, -outward, &ball);
             let (point, normal) = surface_at(from, -outward, t, &ball);
-            assert_eq!(closest_hit(leave(point, normal), outward, &one(), &[ball]).primitive, MISS, "{i}");
+            assert_eq!(closest_hit(leave(point, normal, &ball), outward, &one(), &[ball]).primitive, MISS, "{i}");
             i += 1;
         }
     }

@@ -128,7 +128,8 @@ fn walk<F: FnMut(u32, Photon)>(
     }
     let mut origin = start.origin;
     if start.primitive != super::NO_LIGHT {
-        origin = leave(origin, Vec3::from_array(primitives[start.primitive as usize].normal));
+        let lamp = primitives[start.primitive as usize];
+        origin = leave(origin, Vec3::from_array(lamp.normal), &lamp);
     }
     let mut direction = start.direction;
     let mut diffuse_bounces = 0;
@@ -171,7 +172,7 @@ fn walk<F: FnMut(u32, Photon)>(
             power *= Vec3::from_array(material.reflectance) * gain;
             let facing = if dot(direction, normal) > 0.0 { -normal } else { normal };
             direction = sample_cosine(facing, draw[1], draw[2]);
-            origin = leave(point, facing);
+            origin = leave(point, facing, &primitive);
             diffuse_bounces += 1;
         } else {
             if draw[0] >= material.survival {
@@ -180,7 +181,7 @@ fn walk<F: FnMut(u32, Photon)>(
             let scattered = scatter_specular(&material, direction, normal, draw[1]);
             power *= scattered.weight * div(1.0, material.survival);
             direction = scattered.direction;
-            origin = leave(point, scattered.side);
+            origin = leave(point, scattered.side, &primitive);
             specular_bounces += 1;
         }
         bounce += 1;

@@ -41,13 +41,14 @@ pub struct Primitive {
     pub material: u32,
     /// Index of its light, or [`NO_LIGHT`].
     pub light: u32,
-    /// Radius of a sphere, m.
-    pub radius: f32,
-    /// Corner of a quad or centre of a sphere, m.
+    /// Radius of a sphere, m. How far a quad reaches beyond its edges, in lengths of them: as far as rounding goes, so that quads
+    /// that share an edge leave no crack between them.
+    pub size: f32,
+    /// Centre, m.
     pub position: [f32; 3],
     /// Unit normal of a quad: u × v, its front side.
     pub normal: [f32; 3],
-    /// Dual vectors of a quad's edges u and v, m⁻¹: their products with (point − corner) are the point's coordinates along u and v.
+    /// Dual vectors of a quad's edges u and v, m⁻¹: their products with (point − centre) are the point's coordinates along u and v, −½ to ½.
     pub duals: [[f32; 3]; 2],
 }
 

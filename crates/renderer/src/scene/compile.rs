@@ -1,6 +1,6 @@
 //! From a checked scene to the kernels' records. Everything is computed in f64 and rounded once.
 
-use super::content::{Content, Shape, Substance, Surface};
+use super::content::{Content, NOTHING, Shape, Substance, Surface};
 use super::lights::{Source, chances};
 use caustic_kernels::trace::{
     LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
@@ -32,6 +32,9 @@ pub struct CompiledScene {
     pub emitted_power_w: [f64; 3],
 }
 
+/// Farthest that a quad may reach beyond its edges, in lengths of them, however small it is in its scene.
+const MOST_BEYOND: f64 = 1.0 / 1024.0;
+
 /// Compiles a scene.
 pub(super) fn compile(content: &Content) -> CompiledScene {
     let sources = sources(content);
@@ -45,8 +48,9 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
         lights.push(Light { probability: chance.probability, cumulative: chance.cumulative, ..source.light });
     }
     let specular = |surface: &Surface| !matches!(content.materials[surface.material], Substance::Lambertian(_));
+    let reach = content.reach();
     let primitives: Vec<Primitive> =
-        content.surfaces.iter().zip(&light_of).map(|(surface, &light)| primitive(surface, light)).collect();
+        content.surfaces.iter().zip(&light_of).map(|(surface, &light)| primitive(surface, light, reach)).collect();
     let targets: Vec<Target> = content.surfaces.iter().filter(|surface| specular(surface)).map(target).collect();
     let has_diffuse = targets.len() < primitives.len();
     let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
@@ -100,20 +104,25 @@ fn sources(content: &Content) -> Vec<Source> {
     areas.chain(points).collect()
 }
 
-fn primitive(surface: &Surface, light: u32) -> Primitive {
+/// `reach` is the largest coordinate of the scene, m.
+fn primitive(surface: &Surface, light: u32, reach: f64) -> Primitive {
     let shared = Primitive { material: surface.material as u32, light, ..Primitive::default() };
     match surface.shape {
         Shape::Sphere { centre, radius } => {
-            Primitive { kind: PRIMITIVE_SPHERE, radius: radius as f32, position: rounded(centre), ..shared }
+            Primitive { kind: PRIMITIVE_SPHERE, size: radius as f32, position: rounded(centre), ..shared }
         }
         Shape::Quad { corner, edge_u, edge_v } => {
             let normal = edge_u.cross(edge_v);
             let square = normal.length_squared();
+            let duals = [edge_v.cross(normal) / square, normal.cross(edge_u) / square];
+            // A hit is wrong by some units in the last place of the scene's coordinates; as a part of the quad's smaller height:
+            let rounding = 2f64.powi(-21) * reach * duals[0].length().max(duals[1].length());
             Primitive {
                 kind: PRIMITIVE_QUAD,
-                position: rounded(corner),
+                size: rounding.min(MOST_BEYOND) as f32,
+                position: rounded(corner + (edge_u + edge_v) / 2.0),
                 normal: rounded(normal / square.sqrt()),
-                duals: [rounded(edge_v.cross(normal) / square), rounded(normal.cross(edge_u) / square)],
+                duals: duals.map(rounded),
                 ..shared
             }
         }
@@ -142,18 +151,7 @@ fn target(surface: &Surface) -> Target {
 
 /// A box around surfaces. Photons lie on them but for rounding errors, for which it is a little larger.
 fn bounds<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> ([f32; 3], [f32; 3]) {
-    let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    for surface in surfaces {
-        let (a, b) = match surface.shape {
-            Shape::Sphere { centre, radius } => (centre - radius, centre + radius),
-            Shape::Quad { corner, edge_u, edge_v } => (
-                corner + edge_u.min(DVec3::ZERO) + edge_v.min(DVec3::ZERO),
-                corner + edge_u.max(DVec3::ZERO) + edge_v.max(DVec3::ZERO),
-            ),
-        };
-        low = low.min(a);
-        high = high.max(b);
-    }
+    let (low, high) = surfaces.map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)));
     if low.x > high.x {
         return ([0.0; 3], [0.0; 3]);
     }

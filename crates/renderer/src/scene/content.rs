@@ -13,6 +13,42 @@ pub(super) struct Content {
     pub points: Vec<PointLight>,
 }
 
+/// Bounds of nothing.
+pub(super) const NOTHING: (DVec3, DVec3) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+
+impl Content {
+    /// Moves the origin to the scene, if that is farther away than it is large, along each axis for itself.
+    ///
+    /// The kernels compute in f32, which 10⁶ m from the origin knows steps of 6 cm only. A file's numbers are f64, whose steps
+    /// there are a ten-millionth of a millimetre; so the scene is moved before it is rounded. One that stands at the origin stays as it is.
+    pub fn localised(mut self) -> Self {
+        let (low, high) =
+            self.surfaces.iter().map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)));
+        let extent = (high - low).max_element();
+        let along = |low: f64, high: f64| if low > extent || high < -extent { low } else { 0.0 };
+        let origin = DVec3::new(along(low.x, high.x), along(low.y, high.y), along(low.z, high.z));
+        for surface in &mut self.surfaces {
+            match &mut surface.shape {
+                Shape::Quad { corner, .. } => *corner -= origin,
+                Shape::Sphere { centre, .. } => *centre -= origin,
+            }
+        }
+        for point in &mut self.points {
+            point.position -= origin;
+        }
+        self.camera.position -= origin;
+        self.camera.target -= origin;
+        self
+    }
+
+    /// The largest coordinate of anything in the scene, m.
+    pub fn reach(&self) -> f64 {
+        let surfaces = self.surfaces.iter().map(Surface::bounds).map(|(low, high)| low.abs().max(high.abs()));
+        let points = self.points.iter().map(|point| point.position.abs());
+        surfaces.chain(points).fold(self.camera.position.abs(), DVec3::max).max_element()
+    }
+}
+
 /// Where the picture is taken from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Viewpoint {
@@ -44,6 +80,20 @@ pub(super) struct Surface {
     pub material: usize,
     /// What a quad's front emits, W·sr⁻¹·m⁻².
     pub radiance: Option<DVec3>,
+}
+
+impl Surface {
+    /// The lowest and the highest corner of the box around it.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        match self.shape {
+            Shape::Sphere { centre, radius } => (centre - radius, centre + radius),
+            Shape::Quad { corner, edge_u, edge_v } => {
+                let opposite = corner + edge_u + edge_v;
+                let (u, v) = (corner + edge_u, corner + edge_v);
+                (corner.min(opposite).min(u).min(v), corner.max(opposite).max(u).max(v))
+            }
+        }
+    }
 }
 
 /// A surface's shape; lengths in m.

@@ -39,7 +39,7 @@ pub(super) fn validate(document: &Document<'_>, file: &SceneFile) -> Result<(Ren
     }
     let content = Content { camera, materials: palette.materials, surfaces, points };
     whole_scene(document, &content)?;
-    Ok((defaults, content))
+    Ok((defaults, content.localised()))
 }
 
 fn named(path: &Path, name: Option<&String>) -> Path {
