@@ -10,5 +10,6 @@ mod words;
 pub use gpu::gpu;
 pub use oracle::{
     compare_irradiance, compare_neighbours, compare_sorted, oracle_irradiance, oracle_k_nearest, oracle_within,
+    sum_rounded_once,
 };
-pub use words::{Record, assert_same_words, compare_words};
+pub use words::{assert_same_words, compare_words};

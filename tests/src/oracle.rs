@@ -29,7 +29,8 @@ pub fn oracle_k_nearest(photons: &[Photon], query: [f32; 3], k: usize, radius: f
 
 /// The sum of up to 1024 positive floats, each cut off 53 bits below the largest's first, rounded to the nearest float: what
 /// `caustic_kernels::num::Sum` promises, by 128-bit integers and the conversions of the standard library.
-fn sum_rounded_once(terms: impl Iterator<Item = f32> + Clone) -> f32 {
+#[must_use]
+pub fn sum_rounded_once(terms: impl Iterator<Item = f32> + Clone) -> f32 {
     let exponent = |term: f32| (term.to_bits() >> 23) as i32;
     let largest = terms.clone().map(exponent).max().unwrap_or(0);
     let scaled = |term: f32| {

@@ -44,13 +44,13 @@ fn the_report_has_hexadecimal_decimal_and_ulp() {
     let text = compare_words("here", &[1.0f32, 2.0], &[1.0, 2.0f32.next_up().next_up()]).unwrap_err();
     assert_eq!(
         text,
-        "here: of 2 words 1 differ and 0 are NaN; first at record 1 word 0: expected 0x40000000, found 0x40000002 \
+        "here: of 2 words 1 differ and 0 are NaN; first: here record 1 word 0: expected 0x40000000, found 0x40000002 \
          (2e0 and 2.0000005e0, 2 ulp apart)"
     );
     let text = compare_words("there", &[1u32, 5, 7], &[1, 6, 8]).unwrap_err();
     assert_eq!(
         text,
-        "there: of 3 words 2 differ and 0 are NaN; first at record 1 word 0: expected 0x00000005, found 0x00000006"
+        "there: of 3 words 2 differ and 0 are NaN; first: there record 1 word 0: expected 0x00000005, found 0x00000006"
     );
 }
 
