@@ -29,6 +29,12 @@ impl Failure {
         Self { code: 1, message: message.to_string() }
     }
 
+    /// What went wrong, in one sentence.
+    #[cfg(test)]
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
     /// The user stopped the program before there was anything to keep: exit code 130.
     pub fn interrupted_before_image() -> Self {
         Self { code: 130, message: "interrupted; nothing was written".to_string() }

@@ -206,10 +206,14 @@ impl Source {
 
 /// Reads `x y z` lines. Lines that begin with # are comments.
 fn read(path: &std::path::Path) -> Result<Vec<[f32; 3]>, Failure> {
-    let file = path.display();
     let text = std::fs::read_to_string(path).map_err(|error| {
-        Failure::input(format!("{file}: {error}; give a text file with `x y z` a line, or uniform:N"))
+        Failure::input(format!("{}: {error}; give a text file with `x y z` a line, or uniform:N", path.display()))
     })?;
+    positions(&path.display().to_string(), &text)
+}
+
+/// The positions in the text of `file`.
+fn positions(file: &str, text: &str) -> Result<Vec<[f32; 3]>, Failure> {
     let mut positions = Vec::new();
     for (i, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')) {
         let numbers: Vec<f32> = line.split_whitespace().map_while(|word| word.parse().ok()).collect();
@@ -222,4 +226,39 @@ fn read(path: &std::path::Path) -> Result<Vec<[f32; 3]>, Failure> {
         return Err(Failure::input(format!("{file} holds no photons; it needs a line `x y z` for each")));
     }
     Ok(positions)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use caustic_photon_map::bounds;
+
+    /// Any text gives positions, which the map then checks, or one sentence. `CAUSTIC_FUZZ` sets how many are tried.
+    #[test]
+    fn any_text_is_positions_or_a_sentence() {
+        let pieces = [
+            "1", "-2.5", "1e-40", "3e38", "1e39", "nan", "inf", "-0", " ", "\t", "\n", "\r\n", "#", "x", "ü", ",",
+            "\u{0}",
+        ];
+        let count = std::env::var("CAUSTIC_FUZZ").ok().map_or(20_000, |count| count.parse().expect("a number"));
+        let (mut good, mut bad) = (0, 0);
+        for seed in 0..count {
+            let random = |step: u32| caustic_kernels::num::pcg4d([seed, step, 0xf11e, 0])[0] as usize;
+            let word = |step| pieces[random(step) % if random(0) % 2 == 0 { 10 } else { pieces.len() }];
+            let text: String = (1..2 + random(99) as u32 % 30).map(|step| format!("{} ", word(step))).collect();
+            match positions("photons.txt", &text) {
+                Ok(positions) => {
+                    assert!(!positions.is_empty());
+                    let finite = positions.as_flattened().iter().all(|x| x.is_finite());
+                    assert_eq!(bounds("photons", positions.iter().copied()).is_ok(), finite);
+                    good += 1;
+                }
+                Err(failure) => {
+                    assert!(failure.message().starts_with("photons.txt") && !failure.message().contains('\n'));
+                    bad += 1;
+                }
+            }
+        }
+        assert!(good > count / 50 && bad > count / 50, "{good} good, {bad} bad");
+    }
 }

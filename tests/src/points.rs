@@ -36,12 +36,12 @@ pub fn uniform(seed: u32, n: u32, low: [f32; 3], high: [f32; 3]) -> Vec<[f32; 3]
     (0..n).map(place).collect()
 }
 
-/// Photons at the given points. Their powers spread over six decades, so that the order of a sum shows in its bits.
+/// Photons at the given points. Their powers spread over twelve decades, so that the order of a sum shows in its bits.
 #[must_use]
 pub fn photons_at(seed: u32, points: &[[f32; 3]]) -> Vec<Photon> {
     let photon = |(i, &position): (u32, &[f32; 3])| {
         let unit = unit3(seed ^ 0xf00d, i);
-        let power = unit.map(|u| (u + 0.01) * 10f32.powi((i % 7) as i32 - 6));
+        let power = unit.map(|u| (u + 0.01) * 10f32.powi((i % 13) as i32 - 9));
         Photon { position, direction: i.wrapping_mul(0x9e37_79b9), power, primitive: i % 12 }
     };
     (0..).zip(points).map(photon).collect()
@@ -162,6 +162,20 @@ pub fn clustered(seed: u32, n: u32) -> Vec<[f32; 3]> {
     (0..n).map(place).collect()
 }
 
+/// Points whose coordinates are zeros of either sign, subnormals and the smallest normal numbers.
+#[must_use]
+pub fn subnormal(n: u32) -> Vec<[f32; 3]> {
+    let tiny = |bits: u32| {
+        f32::from_bits((bits & 0x8000_0000) | [0, 1, 0x0040_0000, 0x007f_ffff, 0x0080_0001][bits as usize % 5])
+    };
+    (0..n)
+        .map(|i| {
+            let random = pcg4d([i, 0x5b, 0, 0]);
+            [tiny(random[0]), tiny(random[1]), tiny(random[2])]
+        })
+        .collect()
+}
+
 /// All sets, with about `n` points each where the number is not what the set is about.
 #[must_use]
 pub fn sets(n: u32) -> Vec<PointSet> {
@@ -188,6 +202,8 @@ pub fn sets(n: u32) -> Vec<PointSet> {
         PointSet::new("tiny", 1e-7, &uniform(8, n, [-1e-6; 3], [1e-6; 3])),
         PointSet::new("huge", 2e5, &uniform(9, n, [-1e6; 3], [1e6; 3])),
         PointSet::new("a radius beyond the scene", 1e4, &uniform(10, n, [0.0; 3], [1.0; 3])),
+        PointSet::new("zeros of both signs and subnormals", 1e-3, &subnormal(n)),
+        PointSet::new("the largest floats", 1e18, &vec![[f32::MAX, f32::MIN, f32::MAX]; n.min(100) as usize]),
         PointSet::new("about the smallest radius", 2e-18, &uniform(12, n, [-4e-18; 3], [4e-18; 3])),
         PointSet::new("about the largest radius", 5e17, &uniform(13, n, [-1e18; 3], [1e18; 3])),
     ];

@@ -243,6 +243,47 @@ fn tables_of_any_power_of_two_give_the_same_bits() {
             }
         }
     }
+    // The largest table is a gibibyte, which not every GPU has or allows in a buffer.
+    let mut set = sets(1000).into_iter().find(|set| set.name == "clustered").unwrap();
+    set.table = Some(1 << 27);
+    let within = all_within(&set);
+    for device in [Some(&cpu), gpu()].into_iter().flatten() {
+        match PhotonMap::build(device, &set.photons, &set.options(Hash::Teschner)) {
+            Ok(_) => check(device, &set, &within, Hash::Teschner, &[Gather::Histogram], &[10]),
+            Err(error) => assert!(error.to_string().contains("map: cell"), "{error}"),
+        }
+    }
+    set.table = Some(1 << 28);
+    let error = PhotonMap::build(&cpu, &set.photons, &set.options(Hash::Teschner)).err().unwrap();
+    assert!(matches!(error, MapError::TableSize { .. }), "{error}");
+}
+
+/// More photons than 24 bits count, so that an `f32` used as a counter would stop: all are in the map, and those at its end are
+/// found by their indices. A software GPU would take minutes.
+#[test]
+fn more_photons_than_a_float_can_count() {
+    const COUNT: u32 = (1 << 24) + 10_007;
+    let photon =
+        |i: u32| Photon { position: [(i % 4096) as f32, (i >> 12) as f32, 0.0], power: [1.0; 3], ..Photon::default() };
+    let photons: Vec<_> = (0..COUNT).map(photon).collect();
+    let options = MapOptions { radius: 1.25, hash: Hash::Teschner, table: None };
+    for device in [Some(&Device::cpu()), gpu().filter(|gpu| !limits_loops(gpu))].into_iter().flatten() {
+        let map = PhotonMap::build(device, &photons, &options).unwrap();
+        let last = photon(COUNT - 1).position;
+        let queries = [query([5.0, 0.0, 0.0]), query([7.0, 4096.0, 0.0]), query(last)];
+        let found = map.k_nearest(device, &queries, 6, Gather::Heap).unwrap();
+        let indices = |row: &[Neighbour]| row.iter().map(|neighbour| neighbour.photon).collect::<Vec<_>>();
+        assert_eq!(indices(&found[0]), [5, 4, 6, 4101]);
+        assert_eq!(
+            indices(&found[1]),
+            [(1 << 24) + 7, (1 << 24) - 4089, (1 << 24) + 6, (1 << 24) + 8, (1 << 24) + 4103]
+        );
+        assert_eq!(indices(&found[2]), [COUNT - 1, COUNT - 4097, COUNT - 2]);
+        for gather in GATHERS {
+            let counted = map.irradiance(device, &queries, 50, gather).unwrap();
+            assert_eq!(counted.iter().map(|estimate| estimate.photons).collect::<Vec<_>>(), [4, 5, 3]);
+        }
+    }
 }
 
 /// Everything that construction makes.

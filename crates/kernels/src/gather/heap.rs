@@ -141,3 +141,11 @@ impl<const N: usize> Selection for Heap<N> {
         self.slots[i as usize]
     }
 }
+
+#[cfg(test)]
+impl<const N: usize> Heap<N> {
+    /// One as a GPU may find it: nothing but what [`Selection::reset`] sets is defined.
+    pub(super) fn of_rubbish() -> Self {
+        Self { distances2: [f32::NAN; N], slots: [u32::MAX; N], len: 77, k: 77, bound: f32::NAN }
+    }
+}

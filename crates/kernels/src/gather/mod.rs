@@ -137,6 +137,17 @@ mod tests {
         }
     }
 
+    /// On a GPU the arrays of a container are not zeroed: what is in them at first must not show.
+    #[test]
+    fn rubbish_in_a_new_container_does_not_show() {
+        for seed in 0..20 {
+            for k in [1, 17, 64, 300] {
+                assert_eq!(kept(Heap::<300>::of_rubbish(), k, seed), kept(Heap::<300>::new(), k, seed));
+                assert_eq!(kept(SortedList::<300>::of_rubbish(), k, seed), kept(SortedList::<300>::new(), k, seed));
+            }
+        }
+    }
+
     #[test]
     fn a_container_that_is_reset_has_forgotten() {
         let order = [0, 1, 2];

@@ -179,6 +179,43 @@ mod tests {
         assert_eq!(intersect(Vec3::new(0.0, 0.0, 2.0), Vec3::X, &quad), 0.0);
     }
 
+    /// Rays that almost lie in the plane, at any scale: they meet the quad where f64 says, or pass it where that is a matter of
+    /// rounding; what is no number is never a hit.
+    #[test]
+    fn grazing_rays_meet_a_quad_where_f64_says() {
+        let mut met = 0;
+        for i in 0..40_000u32 {
+            let random = crate::num::pcg4d([i, 0x6a2e, 0, 0]).map(|x| x as f32 / 4_294_967_296.0);
+            let scale = 10f32.powi((i % 13) as i32 - 6);
+            let quad = Primitive {
+                kind: PRIMITIVE_QUAD,
+                position: [0.3 * scale, -0.2 * scale, 0.1 * scale],
+                normal: [0.0, 0.0, 1.0],
+                duals: [[0.5 / scale, 0.0, 0.0], [0.0, 0.5 / scale, 0.0]],
+                size: 2e-6,
+                ..Primitive::default()
+            };
+            let slope = [0.0, 1e-38, 1e-20, 1e-9, 1e-7, 1e-5, 1e-3, 0.1][(i / 13 % 8) as usize];
+            let direction = normalize(Vec3::new(1.0, random[0] - 0.5, -slope));
+            let origin = Vec3::new(-2.0 * scale, (random[1] - 0.5) * scale, (0.1 + slope * 3.0 * random[2]) * scale);
+            let t = intersect(origin, direction, &quad);
+            assert!(t.is_finite() && t >= 0.0, "{t}");
+            let [o, d] = [origin, direction].map(|v| v.to_array().map(f64::from));
+            let position = quad.position.map(f64::from);
+            if t > 0.0 {
+                met += 1;
+                // The plane's distance is a difference of floats, exact to a rounding of the larger.
+                let height = o[2] + f64::from(t) * d[2] - position[2];
+                assert!(height.abs() <= 1e-6 * f64::from(scale), "{height} at {scale}");
+                for axis in 0..2 {
+                    let local = (o[axis] + f64::from(t) * d[axis] - position[axis]).abs() / f64::from(scale);
+                    assert!(local <= 1.0 + 1e-5, "{local}");
+                }
+            }
+        }
+        assert!(met > 3000, "{met}");
+    }
+
     #[test]
     fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
         let mut i = 0;

@@ -77,6 +77,33 @@ mod tests {
         assert!((back.direction + d).length() < 1e-6, "light's path can be reversed");
     }
 
+    /// On both sides of the critical angle, float by float, and up to grazing: a unit direction on the right side, and no
+    /// number that is none.
+    #[test]
+    fn the_critical_angle_is_crossed_without_a_gap() {
+        for ior in [1.0, 1.000_001, 1.33, 1.5, 2.4, 1000.0] {
+            let glass = Material { ior, ..GLASS };
+            // From inside: the ray goes along the outward normal. sin of the critical angle is 1 / ior.
+            let critical = 1.0 / ior;
+            let mut sines: std::vec::Vec<f32> =
+                (0..64u32).map(|i| f32::from_bits(critical.to_bits() - 32 + i)).collect();
+            sines.extend([0.0, 1e-6, 0.5, 0.999_999_9, 1.0]);
+            let mut kinds = [0, 0];
+            for sine in sines.into_iter().filter(|&sine| sine <= 1.0) {
+                let cosine = (1.0 - f64::from(sine) * f64::from(sine)).max(0.0).sqrt() as f32;
+                for (d, u) in [(Vec3::new(sine, cosine, 0.0), 0.9999), (Vec3::new(sine, -cosine, 0.0), 0.0)] {
+                    let out = scatter_specular(&glass, d, Vec3::Y, u);
+                    assert!((out.direction.length() - 1.0).abs() < 1e-6, "{ior}, {sine}: {:?}", out.direction);
+                    assert!(out.weight == Vec3::ONE && out.side.y.abs() == 1.0);
+                    // It leaves to the side it goes to, but for the rounding of a grazing direction.
+                    assert!(dot(out.direction, out.side) > -1e-6, "{ior}, {sine}: {:?} {:?}", out.direction, out.side);
+                    kinds[usize::from(out.side.y < 0.0)] += 1;
+                }
+            }
+            assert!(kinds[0] > 0 && kinds[1] > 0, "{ior}: one of reflection and refraction never happened");
+        }
+    }
+
     #[test]
     fn light_inside_glass_beyond_the_critical_angle_stays_inside() {
         let d = normalize(Vec3::new(0.8, 0.6, 0.0));
