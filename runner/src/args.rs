@@ -212,7 +212,7 @@ impl From<PrecisionArgument> for Precision {
 
 #[derive(Clone, Copy, Default, ValueEnum)]
 pub enum GatherArgument {
-    /// The histogram on a GPU, the heap on the CPU.
+    /// The heap; on a software GPU the histogram.
     #[default]
     Auto,
     /// Distances are counted, without a container.

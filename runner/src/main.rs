@@ -29,6 +29,12 @@ impl Failure {
         Self { code: 1, message: message.to_string() }
     }
 
+    /// The exit code.
+    #[cfg(test)]
+    pub fn code(&self) -> u8 {
+        self.code
+    }
+
     /// What went wrong, in one sentence.
     #[cfg(test)]
     pub fn message(&self) -> &str {

@@ -3,7 +3,7 @@
 use crate::Failure;
 use crate::args::RenderArguments;
 use crate::progress::Monitor;
-use caustic_device::{Device, Error as DeviceError};
+use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
 use caustic_renderer::output::{self, Metadata};
 use caustic_renderer::scene::Scene;
@@ -24,11 +24,12 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let rendered = render(&scene, &settings, &device, &mut |progress| monitor.show(progress));
     monitor.finish();
     let rendered = rendered.map_err(|error| failure(&error))?;
+    let described = describe(&settings, if device.is_exact() { Precision::Exact } else { Precision::Fast });
     let metadata = Metadata {
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: scene.name.clone(),
         seed: settings.seed,
-        settings: describe(&settings),
+        settings: described.clone(),
     };
     output::write(&arguments.output, &rendered.image, &metadata).map_err(Failure::machine)?;
     if !arguments.quiet {
@@ -39,7 +40,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         value["output"] = arguments.output.display().to_string().into();
         value["scene"] = scene.name.into();
         value["seed"] = settings.seed.into();
-        value["settings"] = describe(&settings).into_iter().collect();
+        value["settings"] = described.into_iter().collect();
         println!("{value:#}");
     }
     if rendered.report.complete { Ok(()) } else { Err(Failure::interrupted(&arguments.output)) }
@@ -62,8 +63,8 @@ fn settings(arguments: &RenderArguments, scene: &Scene) -> Settings {
     }
 }
 
-/// What the image depends on. Device, hash and gather are left out: the image does not depend on them.
-fn describe(settings: &Settings) -> Vec<(String, String)> {
+/// What the image depends on. Device, hash and gather are left out: an exact image does not depend on them.
+fn describe(settings: &Settings, precision: Precision) -> Vec<(String, String)> {
     [
         ("show", format!("{:?}", settings.show)),
         ("photons", settings.photons.to_string()),
@@ -71,6 +72,7 @@ fn describe(settings: &Settings) -> Vec<(String, String)> {
         ("k", settings.k.to_string()),
         ("radius", settings.radius.to_string()),
         ("spp", settings.spp.to_string()),
+        ("precision", format!("{precision:?}").to_lowercase()),
     ]
     .map(|(name, value)| (name.to_string(), value))
     .to_vec()

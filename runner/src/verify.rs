@@ -37,6 +37,11 @@ pub fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
     } else {
         print(&found);
     }
+    outcome(&found)
+}
+
+/// Whether what was found is an error: any difference on a device that is meant to be exact.
+fn outcome(found: &Verification) -> Result<(), Failure> {
     if found.same() || !found.exact {
         return Ok(());
     }
@@ -83,5 +88,32 @@ fn print(found: &Verification) {
     println!("seed {} (--seed brings these inputs back)", found.seed);
     if !found.exact {
         println!("not exact here: words differ by up to {} ulp", all.most_ulps);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use caustic_device::StageComparison;
+
+    fn with(expected: f32, found: f32, exact: bool) -> Verification {
+        let difference = Difference::of("sums", &[1.0, expected], &[1.0, found]);
+        let stages = vec![StageComparison { stage: "scan_rows", runs: 1, difference }];
+        let device = "a device".to_string();
+        Verification { device, exact, seed: 1, stages, images: Vec::new(), layouts_wrong: Vec::new() }
+    }
+
+    #[test]
+    fn any_difference_ends_an_exact_verification_with_code_1() {
+        assert!(outcome(&with(2.0, 2.0, true)).is_ok());
+        let failure = outcome(&with(2.0, 2f32.next_up(), true)).err().unwrap();
+        assert_eq!(failure.code(), 1);
+        let parts = ["scan_rows", "record 1", "0x40000000", "0x40000001", "1 ulp", "--device cpu"];
+        assert!(parts.iter().all(|part| failure.message().contains(part)), "{}", failure.message());
+        // A NaN is never right, and neither is a record that is laid out otherwise.
+        assert_eq!(outcome(&with(f32::NAN, f32::NAN, true)).err().map(|failure| failure.code()), Some(1));
+        let moved = Verification { layouts_wrong: vec!["Photon".to_string()], ..with(2.0, 2.0, true) };
+        assert_eq!(outcome(&moved).err().map(|failure| failure.code()), Some(1));
+        assert!(outcome(&with(2.0, 3.0, false)).is_ok(), "what is not exact is reported and no error");
     }
 }

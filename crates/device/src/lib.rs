@@ -135,6 +135,12 @@ impl Device {
         !matches!(self.backend, Backend::Cpu(_))
     }
 
+    /// Whether it is a GPU that a CPU plays.
+    #[must_use]
+    pub fn is_software_gpu(&self) -> bool {
+        self.gpu_half().is_some_and(Gpu::is_software)
+    }
+
     /// Whether its results are promised to be those of the CPU, bit for bit.
     #[must_use]
     pub fn is_exact(&self) -> bool {

@@ -92,7 +92,7 @@ impl PhotonMap {
         gather: Gather,
         out: &Buffer,
     ) -> Result<(), MapError> {
-        let kernel = irradiance_kernel(gather, k, device.is_gpu())?;
+        let kernel = irradiance_kernel(gather, k, device.is_software_gpu())?;
         let params = device.upload("gather: params", &[GatherParams { queries: count, k }])?;
         plan.each(
             kernel,

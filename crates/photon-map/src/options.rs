@@ -23,7 +23,7 @@ pub enum Hash {
 /// How the nearest photons are found. All give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
-    /// Whichever is faster: for estimates the histogram on a GPU and the heap on the CPU; for neighbours the heap.
+    /// The heap, and on a software GPU the histogram: it is faster there, and keeps within the steps that llvmpipe allows.
     #[default]
     Auto,
     /// By counting distances, without a container. It serves estimates; where the neighbours themselves are asked for, the heap
@@ -69,12 +69,12 @@ pub fn capacity(k: u32) -> Result<u32, MapError> {
 }
 
 /// The kernel that estimates irradiance from `k` photons.
-pub(crate) fn irradiance_kernel(gather: Gather, k: u32, gpu: bool) -> Result<Kernel, MapError> {
+pub(crate) fn irradiance_kernel(gather: Gather, k: u32, software: bool) -> Result<Kernel, MapError> {
     if k == 0 || k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
     let gather = match gather {
-        Gather::Auto if gpu => Gather::Histogram,
+        Gather::Auto if software => Gather::Histogram,
         Gather::Auto => Gather::Heap,
         chosen => chosen,
     };

@@ -175,6 +175,7 @@ fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport, precision: Prec
         note,
         precision,
         portable: !report.exact,
+        software: report.kind == "software",
         device,
         queue,
         limits,

@@ -25,6 +25,8 @@ pub(crate) struct Gpu {
     precision: Precision,
     /// Whether wgpu translates the kernels.
     portable: bool,
+    /// Whether a CPU plays it.
+    software: bool,
     device: wgpu::Device,
     queue: wgpu::Queue,
     limits: wgpu::Limits,
@@ -42,6 +44,10 @@ impl Gpu {
 
     pub(crate) fn is_exact(&self) -> bool {
         self.precision == Precision::Exact && !self.portable
+    }
+
+    pub(crate) fn is_software(&self) -> bool {
+        self.software
     }
 
     /// What its user should know about it, or "".
