@@ -34,7 +34,7 @@ fn bits(x: f32) -> u32 {
 
 /// The words of a result that are not what IEEE 754 and the standard library say.
 fn wrong(result: &Arithmetic) -> Vec<&'static str> {
-    let [a, b] = result.operands.map(|operand| f32::from_bits(operand));
+    let [a, b] = result.operands.map(f32::from_bits);
     let tame = |x: f32| f32::from_bits((bits(x) & 0x807f_ffff) | (((bits(x) >> 23 & 0x3f) + 96) << 23));
     let (x, y) = (tame(a), tame(b));
     let sum = sum_rounded_once([x, y, x, y, y].into_iter().map(f32::abs));

@@ -200,7 +200,7 @@ fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
     };
     let place = |i: u32, stream: u32| {
         let [x, y, z] = unit(i, stream);
-        if i % 16 == 0 { [0.4 + 0.01 * x, 0.5 + 0.01 * y, 0.5] } else { [x - 0.5, y, 3.0 * z] }
+        if i.is_multiple_of(16) { [0.4 + 0.01 * x, 0.5 + 0.01 * y, 0.5] } else { [x - 0.5, y, 3.0 * z] }
     };
     let photons: Vec<Photon> = (0..PHOTONS)
         .map(|i| Photon { position: place(i, 2), power: unit(i, 3).map(|u| u * u), direction: i, primitive: i % 7 })

@@ -7,6 +7,7 @@
 //!
 //! Source: selection by distribution counting (Alabi et al., "Fast k-Selection Algorithms for Graphics Processing Units",
 //! 2012), here over cells that are walked again and not over a list.
+#![allow(clippy::implicit_saturating_sub)] // rust-gpu 0.10 cannot compile `saturating_sub`
 
 use super::estimate::{Power, over_disc};
 use super::{CUT_SHORT, Candidates, GatherParams, search};
