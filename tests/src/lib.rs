@@ -3,8 +3,11 @@
 //! Comparisons return a `Result`, so that `tests/faults.rs` can show of each that a planted fault makes it fail.
 
 mod gpu;
+pub mod maps;
 mod oracle;
 pub mod points;
+pub mod program;
+pub mod renders;
 mod words;
 
 pub use gpu::gpu;

@@ -156,24 +156,35 @@ fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
     Ok(twin.run(&plan)?)
 }
 
+/// The kernels that write down where they find fields.
+const LAYOUT_KERNELS: [Kernel; 4] = [Kernel::LayoutMap, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm];
+
 /// Runs the layout kernels, and names the records that are not laid out as the host lays them out, on either device.
 fn layouts(twin: &Device, gpu: &Device) -> Result<Vec<String>, RenderError> {
     let mut wrong = Vec::new();
-    for kernel in [Kernel::LayoutMap, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm] {
-        let found = [layout_words(twin, kernel)?, layout_words(gpu, kernel)?];
-        let records = LAYOUTS.iter().find(|(name, _)| *name == kernel.entry_point()).map_or(&[][..], |row| row.1);
-        let mut at = 0;
-        for &(record, words) in records {
-            // Its size, then its fields one after another.
-            let expected: Vec<u32> =
-                std::iter::once(words as u32).chain(0..words as u32).map(|word| NUMBERED + word).collect();
-            if found.iter().any(|found| found[at..].get(..=words) != Some(&expected[..])) {
-                wrong.push(record.to_string());
-            }
-            at += words + 1;
+    for kernel in LAYOUT_KERNELS {
+        for device in [twin, gpu] {
+            wrong.extend(misplaced(kernel, &layout_words(device, kernel)?));
         }
     }
+    wrong.dedup();
     Ok(wrong)
+}
+
+/// The records whose size or fields a kernel found elsewhere than the host has them.
+fn misplaced(kernel: Kernel, found: &[u32]) -> Vec<String> {
+    let records = LAYOUTS.iter().find(|(name, _)| *name == kernel.entry_point()).map_or(&[][..], |row| row.1);
+    let mut wrong = Vec::new();
+    let mut at = 0;
+    for &(record, words) in records {
+        // Its size, then its fields one after another.
+        let expected = std::iter::once(words).chain(0..words).map(|word| NUMBERED + word as u32);
+        if !expected.eq(found[at..].iter().take(words + 1).copied()) {
+            wrong.push(record.to_string());
+        }
+        at += words + 1;
+    }
+    wrong
 }
 
 fn layout_words(device: &Device, kernel: Kernel) -> Result<Vec<u32>, RenderError> {
@@ -215,4 +226,36 @@ fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_record_lies_where_the_host_has_it_and_a_moved_one_is_named() {
+        let mut records = 0;
+        for kernel in LAYOUT_KERNELS {
+            let found = layout_words(&Device::cpu(), kernel).unwrap();
+            assert_eq!(misplaced(kernel, &found), [""; 0]);
+            let all = LAYOUTS.iter().find(|(name, _)| *name == kernel.entry_point()).unwrap().1;
+            let mut at = 0;
+            for &(record, words) in all {
+                // Another size; two fields that changed places; a field that is not there.
+                let mut size = found.clone();
+                size[at] += 1;
+                let mut swapped = found.clone();
+                swapped.swap(at + 1, at + words);
+                let mut missing = found.clone();
+                missing[at + words] = 0;
+                for faulty in [size, swapped, missing] {
+                    assert_eq!(misplaced(kernel, &faulty), [record], "{record}");
+                }
+                at += words + 1;
+                records += 1;
+            }
+            assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
+        }
+        assert_eq!(records, 19);
+    }
 }
