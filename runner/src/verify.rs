@@ -20,7 +20,13 @@ pub fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
         Err(Error::NotExact { .. }) => Device::open_with(choice, Precision::Fast),
         opened => opened,
     };
-    let (gpu, line) = opened.map_err(Failure::input)?;
+    let (gpu, line) = opened.map_err(|error| match error {
+        // Its usual remedy, the CPU, is none here.
+        Error::NoSuchDevice { wanted, available } => Failure::input(format!(
+            "verify compares a GPU with the CPU, but this machine has no `{wanted}` (it has {available}); on Debian, mesa-vulkan-drivers adds a software GPU"
+        )),
+        error => Failure::input(error),
+    })?;
     eprintln!("{line}");
     // Fresh inputs every time; the seed that is printed brings them back.
     let now =

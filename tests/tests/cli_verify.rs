@@ -7,7 +7,7 @@ fn verify_compares_every_stage_and_prints_a_table() {
     let folder = folder();
     let Some(gpu) = gpu_arguments() else {
         if caustic_device::adapters().is_empty() {
-            refused(&folder, &["verify"], &["no GPU matches `gpu`", "--device cpu"]);
+            refused(&folder, &["verify"], &["this machine has no `gpu`", "mesa-vulkan-drivers"]);
         }
         return;
     };
