@@ -15,8 +15,7 @@ pub enum DeviceChoice {
 }
 
 /// How exactly a GPU computes. The CPU is always exact: its own division and root are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// Every result has the bits that the CPU gives.
     #[default]

@@ -39,8 +39,12 @@ pub struct Difference {
 impl Difference {
     /// Compares two buffers of records whose words are of the `kinds` that [`Record::WORDS`] has. Nothing is tolerated: the
     /// sign of a zero counts.
+    ///
+    /// # Panics
+    /// If they are of different lengths: words without a partner would go uncompared.
     #[must_use]
     pub fn between(buffer: &str, kinds: &str, expected: &[u32], found: &[u32]) -> Self {
+        assert_eq!(expected.len(), found.len(), "{buffer}: words without a partner");
         let kinds = kinds.as_bytes();
         let mut result = Self { words: expected.len() as u64, ..Self::default() };
         for (i, (&x, &y)) in expected.iter().zip(found).enumerate() {

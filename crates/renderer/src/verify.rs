@@ -167,6 +167,7 @@ fn layouts(twin: &Device, gpu: &Device) -> Result<Vec<String>, RenderError> {
             wrong.extend(misplaced(kernel, &layout_words(device, kernel)?));
         }
     }
+    wrong.sort();
     wrong.dedup();
     Ok(wrong)
 }

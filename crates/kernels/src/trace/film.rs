@@ -48,8 +48,9 @@ pub struct Pixel {
 
 /// Means the samples of pixel `i` of the tile, in their order, into the film.
 ///
-/// The sum is compensated (Kahan 1965): its relative error is below 2⁻²³ + n²·2⁻⁴⁸ for n samples, none of them negative,
-/// against n·2⁻²⁴ of plain addition, and the quotient is rounded once more.
+/// The sum is compensated (Kahan 1965): its relative error is below 2⁻²³ + O(n·2⁻⁴⁸) for n samples, none of them negative
+/// (Goldberg, "What every computer scientist should know about floating-point arithmetic", 1991, theorem 8), against n·2⁻²⁴
+/// of plain addition; the quotient is rounded once more.
 #[inline]
 pub fn develop_film<P: Store<Pixel> + ?Sized>(
     i: u32,
