@@ -6,7 +6,7 @@
 #![no_std]
 #![allow(missing_docs)] // the entry points are documented where their bodies are
 
-use caustic_kernels::exec::Invocation;
+use caustic_kernels::exec::{Invocation, SubgroupInvocation};
 use caustic_kernels::gather::*;
 use caustic_kernels::grid::{self, *};
 use caustic_kernels::layout::*;
@@ -68,7 +68,36 @@ macro_rules! entry_points {
             #[spirv(workgroup)] shared: &mut $shared,
             $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
         ) {
-            let mut lanes = Invocation { lane: lane.x, registers: <$registers>::default() };
+            let mut lanes = Invocation { lanes: $lanes, lane: lane.x, registers: <$registers>::default() };
+            $module::$body(&mut lanes, group.y * groups.x + group.x, shared, $($arg),*);
+        }
+        entry_points! { $($rest)* }
+    };
+    (lanes($registers:ident; $shared:ty) $name:ident = $entry:ident [$lanes:tt] $($line:tt)*) => {
+        entry_points! {
+            group($registers<{ (SORT_BLOCK / $lanes) as usize }>; $shared) $name = $entry [$lanes] $($line)*
+        }
+    };
+    (subgroups($registers:ident; $shared:ty) $name:ident = $entry:ident [$lanes:tt]
+     ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident; $($rest:tt)*) => {
+        #[spirv(compute(threads($lanes)))]
+        pub fn $entry(
+            #[spirv(workgroup_id)] group: UVec3,
+            #[spirv(num_workgroups)] groups: UVec3,
+            #[spirv(num_subgroups)] subgroups: u32,
+            #[spirv(subgroup_id)] subgroup: u32,
+            #[spirv(subgroup_local_invocation_id)] invocation: u32,
+            #[spirv(workgroup)] shared: &mut $shared,
+            $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
+        ) {
+            let subgroup_lanes = $lanes / subgroups;
+            let lane = subgroup * subgroup_lanes + invocation;
+            let registers = <$registers<{ (SORT_BLOCK / $lanes) as usize }>>::default();
+            let mut lanes = SubgroupInvocation {
+                invocation: Invocation { lanes: $lanes, lane, registers },
+                subgroup,
+                subgroup_lanes,
+            };
             $module::$body(&mut lanes, group.y * groups.x + group.x, shared, $($arg),*);
         }
         entry_points! { $($rest)* }

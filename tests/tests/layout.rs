@@ -4,7 +4,7 @@ use caustic_device::{Access, Kernel, manifest};
 use caustic_kernels::gather::{CAPACITIES, GATHER_LANES};
 use caustic_kernels::grid::GRID_LANES;
 use caustic_kernels::probe::LAYOUTS;
-use caustic_kernels::sort::{SORT_BLOCK, SORT_ITEMS, SORT_LANES};
+use caustic_kernels::sort::{DIGITS, SCAN_LANES, SORT_BLOCK};
 use std::collections::{BTreeMap, BTreeSet};
 
 const MANIFEST: &str = include_str!("../../crates/device/shaders/manifest.json");
@@ -69,9 +69,10 @@ fn every_record_has_a_layout_kernel() {
 
 #[test]
 fn kernels_have_the_lanes_that_their_bodies_assume() {
-    assert_eq!(SORT_BLOCK, SORT_LANES * SORT_ITEMS);
-    for kernel in [Kernel::RadixCount, Kernel::ScanRows, Kernel::RadixScatter] {
-        assert_eq!(kernel.lanes(), SORT_LANES);
+    assert_eq!(Kernel::ScanRows.lanes(), SCAN_LANES);
+    // Digits and items are shared out evenly among lanes.
+    for kernel in [Kernel::RadixCount, Kernel::RadixScatter, Kernel::RadixCountPlain, Kernel::RadixScatterPlain] {
+        assert!(DIGITS.is_multiple_of(kernel.lanes()) && SORT_BLOCK.is_multiple_of(kernel.lanes()));
     }
     for kernel in [Kernel::HashPhotons, Kernel::CellRanges, Kernel::ReorderPhotons] {
         assert_eq!(kernel.lanes(), GRID_LANES);

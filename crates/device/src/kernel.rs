@@ -139,9 +139,30 @@ macro_rules! run {
     };
     (group($registers:ty; $shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident,
      $($access:ident $arg:ident),*) => {
-        $groups.phases::<$registers, $shared>($lanes, |lanes, group, shared| {
+        $groups.phases::<$registers, $shared>($lanes, 1, |lanes, group, shared| {
             $module::$body(lanes, group, shared, $(pass!($access $arg)),*);
         })
+    };
+    (lanes($registers:ident; $shared:ty), $groups:expr, $lanes:tt, $($rest:tt)*) => {
+        run!(group($registers<{ (SORT_BLOCK / $lanes) as usize }>; $shared), $groups, $lanes, $($rest)*)
+    };
+    // One lane does a block fastest. Where the order of lanes is on trial, they are as many as a GPU's.
+    (subgroups($registers:ident; $shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident,
+     $($access:ident $arg:ident),*) => {
+        match $groups.subgroup_lanes() {
+            None => $groups.phases::<$registers<{ SORT_BLOCK as usize }>, $shared>(1, 1, |lanes, group, shared| {
+                $module::$body(lanes, group, shared, $(pass!($access $arg)),*);
+            }),
+            Some(subgroup) => {
+                $groups.phases::<$registers<{ (SORT_BLOCK / $lanes) as usize }>, $shared>(
+                    $lanes,
+                    subgroup,
+                    |lanes, group, shared| {
+                        $module::$body(lanes, group, shared, $(pass!($access $arg)),*);
+                    },
+                )
+            }
+        }
     };
 }
 

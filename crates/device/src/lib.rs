@@ -141,6 +141,12 @@ impl Device {
         self.gpu_half().is_some_and(Gpu::is_software)
     }
 
+    /// Lanes of a subgroup, where kernels may use subgroup operations; the CPU takes any kernel.
+    #[must_use]
+    pub fn subgroup_lanes(&self) -> Option<u32> {
+        self.gpu_half().map_or(Some(1), Gpu::subgroup_lanes)
+    }
+
     /// Whether its results are promised to be those of the CPU, bit for bit.
     #[must_use]
     pub fn is_exact(&self) -> bool {

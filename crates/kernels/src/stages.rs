@@ -4,8 +4,10 @@
 ///
 /// A line reads `shape Name = entry_point [lanes] (parameters) = body`, where
 ///
-/// * the shape is `each` (one invocation an element), `group (registers; shared)` (a workgroup in phases) or
-///   `gather (container)` (like `each`, with a container of candidates as its first parameter);
+/// * the shape is `each` (one invocation an element), `group (registers; shared)` (a workgroup in phases),
+///   `subgroups (registers; shared)` (a block of [`SORT_BLOCK`](crate::sort::SORT_BLOCK) items, shared out among lanes in subgroups
+///   with ballots), `lanes (registers; shared)` (the same body for devices without them) or `gather (container)` (like `each`,
+///   with a container of candidates as its first parameter);
 /// * a parameter `b name: Access T` is the buffer of binding `b`: `One T` a single record and `In T` a slice, both read;
 ///   `Out T` a slice that the stage writes and does not read.
 ///
@@ -15,13 +17,20 @@
 macro_rules! stages {
     ($with:ident) => {
         $with! {
-            group([u32; 16]; [u32; 4096]) RadixCount = radix_count [256] (
+            subgroups(BlockRegisters; BlockShared) RadixCount = radix_count [128] (
+                0 pass: One RadixPass, 1 keys: In u32, 2 histogram: Out u32
+            ) = sort::radix_count;
+            lanes(BlockRegisters; BlockShared) RadixCountPlain = radix_count_plain [16] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 histogram: Out u32
             ) = sort::radix_count;
             group([u32; 2]; [u32; 512]) ScanRows = scan_rows [256] (
                 0 params: One ScanParams, 1 input: In u32, 2 sums: Out u32, 3 totals: Out u32
             ) = sort::scan_rows;
-            group([u32; 16]; [u32; 4608]) RadixScatter = radix_scatter [256] (
+            subgroups(BlockRegisters; BlockShared) RadixScatter = radix_scatter [128] (
+                0 pass: One RadixPass, 1 keys: In u32, 2 values: In u32, 3 offsets: In u32, 4 digit_totals: In u32,
+                5 keys_out: Out u32, 6 values_out: Out u32
+            ) = sort::radix_scatter;
+            lanes(BlockRegisters; BlockShared) RadixScatterPlain = radix_scatter_plain [16] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 values: In u32, 3 offsets: In u32, 4 digit_totals: In u32,
                 5 keys_out: Out u32, 6 values_out: Out u32
             ) = sort::radix_scatter;

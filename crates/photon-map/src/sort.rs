@@ -1,7 +1,10 @@
 //! The stages of a sort and of a scan, as plans.
 
 use caustic_device::{Buffer, Device, Kernel, Plan, Result};
-use caustic_kernels::sort::{DIGIT_BITS, DIGITS, RadixPass, SCAN_BLOCK, SORT_BLOCK, ScanParams};
+use caustic_kernels::sort::{
+    DIGIT_BITS, DIGITS, MAX_SUBGROUPS, RadixPass, SCAN_BLOCK, SORT_BLOCK, ScanParams, VALUES_GIVEN, VALUES_INDICES,
+    VALUES_NONE,
+};
 
 /// Sorts `u32` keys, of which only the lowest bits count, together with the indices they came from.
 pub struct RadixSort {
@@ -11,6 +14,12 @@ pub struct RadixSort {
     pub order: Buffer,
 }
 
+/// What is sorted with the keys.
+enum Values {
+    None,
+    Indices,
+}
+
 impl RadixSort {
     /// Appends the passes that sort the `count` keys in `keys` by their lowest `bits` bits, rounded up to
     /// whole digits. `keys` is overwritten.
@@ -18,28 +27,59 @@ impl RadixSort {
     /// # Errors
     /// Those of [`Device::buffer`].
     pub fn plan(device: &Device, plan: &mut Plan, keys: &Buffer, count: u32, bits: u32) -> Result<Self> {
-        let blocks = count.div_ceil(SORT_BLOCK);
-        let elements = u64::from(count);
-        let mut from = (keys.clone(), device.buffer::<u32>("sort: order", elements)?);
-        let mut to = (device.buffer::<u32>("sort: keys", elements)?, device.buffer::<u32>("sort: order", elements)?);
-        let cells = u64::from(DIGITS * blocks);
-        let histogram = device.buffer::<u32>("sort: histogram", cells)?;
-        let offsets = device.buffer::<u32>("sort: offsets", cells)?;
-        let totals = device.buffer::<u32>("sort: digit totals", u64::from(DIGITS))?;
-        let scan = device.upload("sort: scan", &[ScanParams { count: DIGITS * blocks, row_length: blocks }])?;
-        // One pass at least: it is what fills the order.
-        for pass in 0..bits.div_ceil(DIGIT_BITS).max(1) {
-            let record =
-                RadixPass { count, blocks, shift: pass * DIGIT_BITS, values_are_indices: u32::from(pass == 0) };
-            let pass = device.upload("sort: pass", &[record])?;
-            plan.groups(Kernel::RadixCount, blocks, &[&pass, &from.0, &histogram]);
-            let rows = if blocks == 0 { 0 } else { DIGITS };
-            plan.groups(Kernel::ScanRows, rows, &[&scan, &histogram, &offsets, &totals]);
-            plan.groups(Kernel::RadixScatter, blocks, &[&pass, &from.0, &from.1, &offsets, &totals, &to.0, &to.1]);
-            std::mem::swap(&mut from, &mut to);
-        }
-        Ok(Self { keys: from.0, order: from.1 })
+        let (keys, order) = passes(device, plan, keys, &Values::Indices, count, bits)?;
+        Ok(Self { keys, order })
     }
+
+    /// [`RadixSort::plan`] without the indices: returns the sorted keys.
+    ///
+    /// # Errors
+    /// Those of [`Device::buffer`].
+    pub fn plan_keys(device: &Device, plan: &mut Plan, keys: &Buffer, count: u32, bits: u32) -> Result<Buffer> {
+        passes(device, plan, keys, &Values::None, count, bits).map(|(keys, _)| keys)
+    }
+}
+
+fn passes(
+    device: &Device,
+    plan: &mut Plan,
+    keys: &Buffer,
+    values: &Values,
+    count: u32,
+    bits: u32,
+) -> Result<(Buffer, Buffer)> {
+    let blocks = count.div_ceil(SORT_BLOCK);
+    let of_values = if matches!(values, Values::None) { 0 } else { u64::from(count) };
+    let mut from = (keys.clone(), device.buffer::<u32>("sort: order", of_values)?);
+    let mut to =
+        (device.buffer::<u32>("sort: keys", u64::from(count))?, device.buffer::<u32>("sort: order", of_values)?);
+    let cells = u64::from(DIGITS) * u64::from(blocks);
+    let histogram = device.buffer::<u32>("sort: histogram", cells)?;
+    let offsets = device.buffer::<u32>("sort: offsets", cells)?;
+    let totals = device.buffer::<u32>("sort: digit totals", u64::from(DIGITS))?;
+    let scan = device.upload("sort: scan", &[ScanParams { count: DIGITS * blocks, row_length: blocks }])?;
+    // Every subgroup needs counters of its own.
+    let by_ballot = device.subgroup_lanes().is_some_and(|lanes| lanes * MAX_SUBGROUPS >= Kernel::RadixScatter.lanes());
+    let (count_digits, scatter) = if by_ballot || !device.is_gpu() {
+        (Kernel::RadixCount, Kernel::RadixScatter)
+    } else {
+        (Kernel::RadixCountPlain, Kernel::RadixScatterPlain)
+    };
+    // One pass at least: it is what fills the order.
+    for number in 0..bits.div_ceil(DIGIT_BITS).max(1) {
+        let values = match (values, number) {
+            (Values::None, _) => VALUES_NONE,
+            (Values::Indices, 0) => VALUES_INDICES,
+            (Values::Indices, _) => VALUES_GIVEN,
+        };
+        let pass = device.upload("sort: pass", &[RadixPass { count, blocks, shift: number * DIGIT_BITS, values }])?;
+        plan.groups(count_digits, blocks, &[&pass, &from.0, &histogram]);
+        let rows = if blocks == 0 { 0 } else { DIGITS };
+        plan.groups(Kernel::ScanRows, rows, &[&scan, &histogram, &offsets, &totals]);
+        plan.groups(scatter, blocks, &[&pass, &from.0, &from.1, &offsets, &totals, &to.0, &to.1]);
+        std::mem::swap(&mut from, &mut to);
+    }
+    Ok(from)
 }
 
 /// Appends an exclusive prefix sum over `count` elements of `input`. Returns the sums within each block of [`SCAN_BLOCK`], the

@@ -55,21 +55,34 @@ impl Groups {
         });
     }
 
+    /// Lanes of a subgroup, if workgroups are to have as many lanes as on a GPU.
+    pub(crate) fn subgroup_lanes(&self) -> Option<u32> {
+        match self.order {
+            LaneOrder::Forward => None,
+            LaneOrder::Reversed => Some(32),
+            LaneOrder::Shuffled(seed) => Some(8 << (seed % 5)),
+        }
+    }
+
     /// Calls `body` for every workgroup, with its lanes' registers and its shared memory.
-    pub(crate) fn phases<R, S>(&self, lanes: u32, body: impl Fn(&mut Workgroup<'_, R>, u32, &mut S) + Sync)
-    where
-        R: Pod + Send,
+    pub(crate) fn phases<R, S>(
+        &self,
+        lanes: u32,
+        subgroup_lanes: u32,
+        body: impl Fn(&mut Workgroup<'_, R>, u32, &mut S) + Sync,
+    ) where
+        R: Clone + Default + Send,
         S: Pod + Send,
     {
         let order = self.order.lanes(lanes);
         let rubbish = matches!(self.order, LaneOrder::Shuffled(_));
         (0..self.count).into_par_iter().for_each_init(
-            || (vec![R::zeroed(); lanes as usize], vec![S::zeroed(); 1]),
+            || (vec![R::default(); lanes as usize], vec![S::zeroed(); 1]),
             |(registers, shared), i| {
                 if rubbish {
                     bytemuck::cast_slice_mut::<S, u8>(shared).fill(0xa5);
                 }
-                let mut group = Workgroup { registers, order: &order };
+                let mut group = Workgroup { registers, order: &order, subgroup_lanes };
                 body(&mut group, self.group(i), &mut shared[0]);
             },
         );

@@ -27,6 +27,8 @@ pub(crate) struct Gpu {
     portable: bool,
     /// Whether a CPU plays it.
     software: bool,
+    /// Lanes of a subgroup, if kernels can rely on them.
+    subgroup_lanes: Option<u32>,
     device: wgpu::Device,
     queue: wgpu::Queue,
     limits: wgpu::Limits,
@@ -48,6 +50,10 @@ impl Gpu {
 
     pub(crate) fn is_software(&self) -> bool {
         self.software
+    }
+
+    pub(crate) fn subgroup_lanes(&self) -> Option<u32> {
+        self.subgroup_lanes
     }
 
     /// What its user should know about it, or "".

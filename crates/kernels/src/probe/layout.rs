@@ -88,7 +88,7 @@ layouts! {
     );
     /// Records of sorting, and of emission.
     layout_sort(
-        radix: RadixPass { count, blocks, shift, values_are_indices },
+        radix: RadixPass { count, blocks, shift, values },
         scan: ScanParams { count, row_length },
         pass: PhotonPass { emitted, first, paths, rays, seed, stored_from },
         targets: Target { centre, radius }

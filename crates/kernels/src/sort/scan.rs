@@ -1,12 +1,13 @@
 //! Exclusive prefix sums of the rows of a table, one workgroup a row.
 //!
-//! One kernel serves every scan of the project. Sorting scans sixteen rows, a digit each. A long array is scanned as
+//! One kernel serves every scan of the project. Sorting scans a row a digit. A long array is scanned as
 //! rows of [`SCAN_BLOCK`] elements, then their totals as one more row; whoever reads element `i` adds the two.
 
-use super::SORT_LANES;
 use crate::exec::{Lanes, Store};
 use bytemuck::{Pod, Zeroable};
 
+/// Lanes of a scanning workgroup.
+pub const SCAN_LANES: u32 = 256;
 /// Length of the rows into which a long array is cut, in elements.
 pub const SCAN_BLOCK: u32 = 4096;
 /// Elements a lane sums before the workgroup's own scan.
@@ -79,7 +80,7 @@ pub fn scan_rows<L: Lanes<[u32; 2]>, O: Store<u32> + ?Sized, T: Store<u32> + ?Si
                 }
                 item += 1;
             }
-            r[1] = r[1].wrapping_add(shared[(SORT_LANES - 1) as usize]);
+            r[1] = r[1].wrapping_add(shared[(SCAN_LANES - 1) as usize]);
         });
         chunk += SCAN_BLOCK;
     }
@@ -96,8 +97,8 @@ fn inclusive_scan<R, L: Lanes<R>>(lanes: &mut L, shared: &mut ScanShared) {
     let mut from = 0;
     let mut step = 1;
     // Eight steps, an even number: the result ends in the copy it began in.
-    while step < SORT_LANES {
-        let to = SORT_LANES - from;
+    while step < SCAN_LANES {
+        let to = SCAN_LANES - from;
         lanes.each(shared, move |lane, _, shared: &mut ScanShared| {
             let mut sum = shared[(from + lane) as usize];
             if lane >= step {

@@ -1,23 +1,23 @@
 //! Last stage of a radix pass: every pair to its place.
 
-use super::{DIGITS, RadixPass, SORT_BLOCK, SORT_ITEMS, SORT_LANES, digit};
-use crate::exec::{Lanes, Store};
-
-/// Shared memory of [`radix_scatter`]: a counter for each (digit, lane), then two copies of 256 partial sums.
-pub type ScatterShared = [u32; 4608];
-/// Registers of a lane: 16 running counters, one a digit.
-pub type ScatterRegisters = [u32; 16];
-
-const SUMS: u32 = DIGITS * SORT_LANES;
+use super::block::{BlockRegisters, BlockShared, PLACES, STARTS, count_digits, item_of, scan_digits};
+use super::{DIGITS, RadixPass, SORT_BLOCK, VALUES_INDICES, VALUES_NONE, digit};
+use crate::exec::{Store, Turns};
 
 /// Writes the pairs of block `group` to their places in the order of this digit, equal digits keeping their order.
 ///
-/// `offsets` and `digit_totals` are the outputs of [`scan_rows`](super::scan_rows()) over the histogram, a row a digit.
+/// `offsets` and `digit_totals` are the outputs of [`scan_rows`](super::scan_rows()) over the histogram, a row a digit. A block
+/// is put in order in shared memory before it is written, so that what lies together is written together.
 #[inline]
-pub fn radix_scatter<L: Lanes<ScatterRegisters>, K: Store<u32> + ?Sized, V: Store<u32> + ?Sized>(
+pub fn radix_scatter<
+    const N: usize,
+    L: Turns<BlockRegisters<N>>,
+    K: Store<u32> + ?Sized,
+    V: Store<u32> + ?Sized,
+>(
     lanes: &mut L,
     group: u32,
-    shared: &mut ScatterShared,
+    shared: &mut BlockShared,
     pass: &RadixPass,
     keys: &[u32],
     values: &[u32],
@@ -29,77 +29,98 @@ pub fn radix_scatter<L: Lanes<ScatterRegisters>, K: Store<u32> + ?Sized, V: Stor
     if group >= pass.blocks {
         return;
     }
-    // 1. Each lane counts the digits of its own consecutive items.
-    lanes.each(shared, move |lane, counts: &mut ScatterRegisters, shared: &mut ScatterShared| {
-        let mut d = 0;
-        while d < DIGITS {
-            counts[d as usize] = 0;
-            d += 1;
+    let count = lanes.lanes();
+    let subgroup = lanes.subgroup_lanes();
+    let first = group * SORT_BLOCK;
+    let size = if pass.count - first < SORT_BLOCK { pass.count - first } else { SORT_BLOCK };
+    let shift = pass.shift;
+
+    // 1. Ranks within subgroups; then how many of a digit are in earlier subgroups, and in all.
+    count_digits(lanes, group, shared, pass, keys);
+    lanes.each(shared, move |lane, _, shared: &mut BlockShared| {
+        let mut digit = lane;
+        while digit < DIGITS {
+            let mut sum = 0;
+            let mut s = 0;
+            while s < count / subgroup {
+                let word = (s * DIGITS + digit) as usize;
+                let inside = shared[word];
+                shared[word] = sum;
+                sum += inside;
+                s += 1;
+            }
+            shared[(STARTS + digit) as usize] = sum;
+            shared[(PLACES + digit) as usize] = digit_totals[digit as usize];
+            digit += count;
         }
-        let first = group * SORT_BLOCK + lane * SORT_ITEMS;
+    });
+    // 2. Where digits begin, in the block and in the output.
+    scan_digits(lanes, shared, STARTS);
+    scan_digits(lanes, shared, PLACES);
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
         let mut item = 0;
-        while item < SORT_ITEMS {
-            let i = first + item;
-            if i < pass.count {
-                counts[digit(keys[i as usize], pass.shift) as usize] += 1;
+        while item < N as u32 {
+            let d = digit(r.keys[item as usize], shift);
+            let before = shared[(lane / subgroup * DIGITS + d) as usize];
+            r.ranks[item as usize] += before + shared[(STARTS + d) as usize];
+            item += 1;
+        }
+    });
+    // 3. The keys in order, in the counters' memory.
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+        let mut item = 0;
+        while item < N as u32 {
+            if item_of(lane, item, subgroup, N as u32) < size {
+                shared[r.ranks[item as usize] as usize] = r.keys[item as usize];
             }
             item += 1;
         }
-        d = 0;
-        while d < DIGITS {
-            shared[(d * SORT_LANES + lane) as usize] = counts[d as usize];
-            d += 1;
+        let mut digit = lane;
+        while digit < DIGITS {
+            let start = shared[(STARTS + digit) as usize];
+            let place = shared[(PLACES + digit) as usize] + offsets[(digit * pass.blocks + group) as usize];
+            // Minus the start: what is at i in the block goes to this plus i. It may wrap.
+            shared[(PLACES + digit) as usize] = place.wrapping_sub(start);
+            digit += count;
         }
     });
-    // 2. Exclusive prefix sums along each digit's 256 counters: sixteen lanes a digit, sixteen counters a lane.
-    lanes.each(shared, move |lane, _, shared: &mut ScatterShared| {
-        let mut sum = 0;
-        let mut j = 0;
-        while j < 16 {
-            let at = (lane * 16 + j) as usize;
-            let count = shared[at];
-            shared[at] = sum;
-            sum += count;
-            j += 1;
-        }
-        shared[(SUMS + lane) as usize] = sum;
-    });
-    lanes.each(shared, move |lane, _, shared: &mut ScatterShared| {
-        // The sums of the lanes before this one that serve the same digit.
-        let mut before = 0;
-        let mut other = lane - lane % 16;
-        while other < lane {
-            before += shared[(SUMS + other) as usize];
-            other += 1;
-        }
-        shared[(SUMS + SORT_LANES + lane) as usize] = before;
-    });
-    // 3. Where each digit's run of this lane begins in the output, then the items in order.
-    lanes.each(shared, move |lane, next: &mut ScatterRegisters, shared: &mut ScatterShared| {
-        let mut smaller_digits = 0;
-        let mut d = 0;
-        while d < DIGITS {
-            let in_block =
-                shared[(d * SORT_LANES + lane) as usize] + shared[(SUMS + SORT_LANES + d * 16 + lane / 16) as usize];
-            next[d as usize] = smaller_digits + offsets[(d * pass.blocks + group) as usize] + in_block;
-            smaller_digits += digit_totals[d as usize];
-            d += 1;
-        }
-        let first = group * SORT_BLOCK + lane * SORT_ITEMS;
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
         let mut item = 0;
-        while item < SORT_ITEMS {
-            let i = first + item;
-            if i < pass.count {
-                let key = keys[i as usize];
-                let mut value = i;
-                if pass.values_are_indices == 0 {
-                    value = values[i as usize];
-                }
-                let d = digit(key, pass.shift) as usize;
-                let place = next[d];
-                next[d] = place + 1;
+        while item < N as u32 {
+            let i = item * count + lane;
+            if i < size {
+                let key = shared[i as usize];
+                let place = shared[(PLACES + digit(key, shift)) as usize].wrapping_add(i);
+                r.keys[item as usize] = place;
                 keys_out.set(place, key);
-                values_out.set(place, value);
+            }
+            item += 1;
+        }
+    });
+    // 4. The values after them.
+    if pass.values == VALUES_NONE {
+        return;
+    }
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+        let mut item = 0;
+        while item < N as u32 {
+            let at = item_of(lane, item, subgroup, N as u32);
+            if at < size {
+                let mut value = first + at;
+                if pass.values != VALUES_INDICES {
+                    value = values[value as usize];
+                }
+                shared[r.ranks[item as usize] as usize] = value;
+            }
+            item += 1;
+        }
+    });
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+        let mut item = 0;
+        while item < N as u32 {
+            let i = item * count + lane;
+            if i < size {
+                values_out.set(r.keys[item as usize], shared[i as usize]);
             }
             item += 1;
         }
