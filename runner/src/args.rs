@@ -1,7 +1,7 @@
 //! The command line.
 
 use caustic_device::{DeviceChoice, Precision};
-use caustic_photon_map::{Gather, Hash};
+use caustic_photon_map::{Gather, Hash, RADII};
 use caustic_renderer::Show;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -272,8 +272,8 @@ fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone 
 }
 
 fn radius(text: &str) -> Result<f32, String> {
-    let number = text.parse::<f32>().ok().filter(|radius| (1e-18..=1e18).contains(radius));
-    number.ok_or_else(|| "it must be a number of metres from 1e-18 to 1e18".to_string())
+    let number = text.parse::<f32>().ok().filter(|radius| RADII.contains(radius));
+    number.ok_or_else(|| "it must be a number of metres from 1e-9 to 1e18".to_string())
 }
 
 fn size(text: &str) -> Result<[u32; 2], String> {

@@ -21,7 +21,7 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let photons: Vec<Photon> =
         positions.iter().map(|&position| Photon { position, power: [1.0; 3], ..Photon::default() }).collect();
     let radius = arguments.radius.unwrap_or_else(|| source.radius(photons.len(), arguments.k));
-    let options = MapOptions { radius, hash: arguments.hash.into(), table: None };
+    let options = MapOptions { radius, hash: arguments.hash.into(), table: None, cell: None };
     let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
     eprintln!("{line}");
 
@@ -76,7 +76,9 @@ fn time(
     arguments: &MapArguments,
 ) -> Result<Timed, MapError> {
     let (low, high) = bounds("photons", photons.iter().map(|photon| photon.position))?;
-    let grid = plan_grid(low, high, photons.len() as u64, options)?;
+    let sample: Vec<[f32; 3]> =
+        photons.iter().step_by(photons.len().div_ceil(4096)).map(|photon| photon.position).collect();
+    let grid = plan_grid(low, high, photons.len() as u64, &sample, options)?;
     let unsorted = device.upload("photons", photons)?;
     let query_buffer: Buffer = device.upload("queries", queries)?;
     let out = device.buffer::<Irradiance>("irradiance", queries.len() as u64)?;

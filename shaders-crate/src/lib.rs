@@ -73,6 +73,20 @@ macro_rules! entry_points {
         }
         entry_points! { $($rest)* }
     };
+    (columns($shared:ty) $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*)
+     = $module:ident::$body:ident; $($rest:tt)*) => {
+        #[spirv(compute(threads($lanes)))]
+        pub fn $entry(
+            #[spirv(workgroup_id)] group: UVec3,
+            #[spirv(num_workgroups)] groups: UVec3,
+            #[spirv(local_invocation_id)] lane: UVec3,
+            #[spirv(workgroup)] shared: &mut $shared,
+            $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
+        ) {
+            $module::$body((group.y * groups.x + group.x) * $lanes + lane.x, lane.x, shared, $($arg),*);
+        }
+        entry_points! { $($rest)* }
+    };
     (lanes($registers:ident; $shared:ty) $name:ident = $entry:ident [$lanes:tt] $($line:tt)*) => {
         entry_points! {
             group($registers<{ (SORT_BLOCK / $lanes) as usize }>; $shared) $name = $entry [$lanes] $($line)*

@@ -27,19 +27,28 @@ pub fn oracle_k_nearest(photons: &[Photon], query: [f32; 3], k: usize, radius: f
     found
 }
 
-/// The sum of up to 1024 positive floats, each cut off 53 bits below the largest's first, rounded to the nearest float: what
-/// `caustic_kernels::num::Sum` promises, by 128-bit integers and the conversions of the standard library.
+/// The sum of up to 1024 positive floats, each cut off 53 bits below the first of `scale`, rounded to the nearest float; or, if
+/// that is less than 2⁻¹⁷ of the scale a term, 53 bits below the first of the largest. It is what the gathers promise, by 128-bit
+/// integers and the conversions of the standard library.
 #[must_use]
-pub fn sum_rounded_once(terms: impl Iterator<Item = f32> + Clone) -> f32 {
+pub fn sum_rounded_once(terms: impl Iterator<Item = f32> + Clone, scale: f32) -> f32 {
     let exponent = |term: f32| (term.to_bits() >> 23) as i32;
-    let largest = terms.clone().map(exponent).max().unwrap_or(0);
-    let scaled = |term: f32| {
-        let significand = i128::from(term.to_bits() & 0x007f_ffff | 0x0080_0000) << 30;
-        let down = largest - exponent(term);
-        if exponent(term) == 0 || down > 60 { 0 } else { significand >> down }
+    let sum_to = |largest: i32| -> i128 {
+        let scaled = |term: f32| {
+            let significand = i128::from(term.to_bits() & 0x007f_ffff | 0x0080_0000) << 30;
+            let down = largest - exponent(term);
+            if exponent(term) == 0 || down > 60 { 0 } else { significand >> down }
+        };
+        terms.clone().map(scaled).sum()
     };
-    // In units of 2^(largest − 127 − 23 − 30). Every float is exact in f64, and so is its product with a power of two.
-    let sum: i128 = terms.map(scaled).sum();
+    let mut largest = exponent(scale);
+    // In units of 2^(largest − 127 − 23 − 30).
+    let mut sum = sum_to(largest);
+    if sum < (terms.clone().count() as i128) << 36 {
+        largest = terms.clone().map(exponent).max().unwrap_or(0);
+        sum = sum_to(largest);
+    }
+    // Every float is exact in f64, and so is its product with a power of two.
     (f64::from(sum as f32) * 2f64.powi(largest - 180)) as f32
 }
 
@@ -47,8 +56,9 @@ pub fn sum_rounded_once(terms: impl Iterator<Item = f32> + Clone) -> f32 {
 #[must_use]
 pub fn oracle_irradiance(photons: &[Photon], within: &[Neighbour], k: usize, radius: f32) -> Irradiance {
     let counted = &within[..k.min(within.len())];
+    let scale = photons.iter().flat_map(|photon| photon.power).fold(0.0, f32::max);
     let rgb: [f32; 3] = std::array::from_fn(|channel| {
-        sum_rounded_once(counted.iter().map(|neighbour| photons[neighbour.photon as usize].power[channel]))
+        sum_rounded_once(counted.iter().map(|neighbour| photons[neighbour.photon as usize].power[channel]), scale)
     });
     // The disc reaches to the first photon that is not counted; one without extent is replaced by the largest.
     let radius2 = within.get(k).map_or(0.0, |next| next.distance2);

@@ -15,6 +15,8 @@ pub struct PointSet {
     pub radius: f32,
     /// Entries of the tables of Teschner and Morton, if the set depends on it.
     pub table: Option<u32>,
+    /// Width of cells, if the set depends on it.
+    pub cell: Option<f32>,
     /// Points at which to look.
     pub queries: Vec<Query>,
 }
@@ -56,7 +58,7 @@ pub fn query(position: [f32; 3]) -> Query {
 impl PointSet {
     fn new(name: &'static str, radius: f32, points: &[[f32; 3]]) -> Self {
         let photons = photons_at(name.len() as u32, points);
-        let mut set = Self { name, photons, radius, table: None, queries: Vec::new() };
+        let mut set = Self { name, photons, radius, table: None, cell: None, queries: Vec::new() };
         set.queries = set.make_queries();
         set
     }
@@ -71,7 +73,7 @@ impl PointSet {
     /// How a map of the set is built.
     #[must_use]
     pub fn options(&self, hash: Hash) -> MapOptions {
-        MapOptions { radius: self.radius, hash, table: self.table }
+        MapOptions { radius: self.radius, hash, table: self.table, cell: self.cell }
     }
 
     /// Queries at photons, between them, at corners, on cell borders, just outside the box, far outside, and inactive ones.
@@ -106,12 +108,12 @@ impl PointSet {
 /// `n` points on borders of cells, each at most one float off, inside the box from `low` to `high`.
 #[must_use]
 pub fn border_points(low: [f32; 3], high: [f32; 3], radius: f32, seed: u32, n: u32) -> Vec<[f32; 3]> {
-    let options = MapOptions { radius, hash: Hash::Teschner, table: None };
-    let grid = plan_grid(low, high, 1, &options).expect("a grid that tests can have");
+    let options = MapOptions { radius, hash: Hash::Teschner, table: None, cell: Some(radius) };
+    let grid = plan_grid(low, high, 1, &[], &options).expect("a grid that tests can have");
     let on_border = |i| {
         let random = pcg4d([seed, i, 0xb0bd, 0]);
         std::array::from_fn(|axis| {
-            let inner = random[axis] % (grid.cells[axis] - 1);
+            let inner = random[axis] % (grid.cells[axis] + 1);
             let x = (f64::from(low[axis]) + f64::from(inner) / f64::from(grid.inverse_cell)) as f32;
             let x = match (random[3] >> (2 * axis)) & 3 {
                 0 => x.next_up(),
@@ -129,12 +131,12 @@ pub fn border_points(low: [f32; 3], high: [f32; 3], radius: f32, seed: u32, n: u
 #[must_use]
 pub fn colliding(n: u32, side: u32, table: u32, radius: f32) -> Vec<[f32; 3]> {
     let (low, high) = ([0.0; 3], [side as f32 * radius; 3]);
-    let options = MapOptions { radius, hash: Hash::Teschner, table: Some(table) };
-    let grid = plan_grid(low, high, 1, &options).expect("a grid that tests can have");
+    let options = MapOptions { radius, hash: Hash::Teschner, table: Some(table), cell: Some(radius) };
+    let grid = plan_grid(low, high, 1, &[], &options).expect("a grid that tests can have");
     assert_eq!(grid.hash, HASH_TESCHNER);
     let entry = teschner([2, 2, 2]) & (table - 1);
-    let mut cells: Vec<[u32; 3]> = (1..=side)
-        .flat_map(|z| (1..=side).flat_map(move |y| (1..=side).map(move |x| [x, y, z])))
+    let mut cells: Vec<[u32; 3]> = (0..side)
+        .flat_map(|z| (0..side).flat_map(move |y| (0..side).map(move |x| [x, y, z])))
         .filter(|&cell| teschner(cell) & (table - 1) == entry)
         .collect();
     assert!(cells.len() > 10, "only {} cells collide", cells.len());
@@ -146,7 +148,7 @@ pub fn colliding(n: u32, side: u32, table: u32, radius: f32) -> Vec<[f32; 3]> {
         let unit = unit3(5, i);
         // The inner 98 % of the cell, clear of its borders.
         points
-            .push(std::array::from_fn(|axis| (cell[axis] as f32 - 1.0 + 0.01 + 0.98 * unit[axis]) / grid.inverse_cell));
+            .push(std::array::from_fn(|axis| (cell[axis] as f32 + 0.01 + 0.98 * unit[axis]) / grid.inverse_cell));
     }
     points
 }
@@ -193,7 +195,8 @@ pub fn sets(n: u32) -> Vec<PointSet> {
         PointSet::new("negative", 0.5, &uniform(3, n, [-4.0; 3], [-2.0; 3])),
         PointSet::new("of mixed sign", 0.7, &mixed(4)),
         PointSet::new("on a plane", 0.15, &on_a_plane),
-        PointSet::new("on cell borders", 1.0, &borders),
+        PointSet { cell: Some(1.0), ..PointSet::new("on cell borders", 1.0, &borders) },
+        PointSet { cell: Some(0.01), ..PointSet::new("in cells far smaller than the radius", 0.2, &uniform(14, n, [0.0; 3], [1.0; 3])) },
         PointSet::new("all in one point", 0.25, &vec![[0.1, 0.2, -0.3]; n as usize]),
         PointSet::new("all in one cell", 2.0, &uniform(5, n, [1.0; 3], [1.5; 3])),
         PointSet::new("duplicates", 0.3, &duplicates),
@@ -204,13 +207,13 @@ pub fn sets(n: u32) -> Vec<PointSet> {
         PointSet::new("a radius beyond the scene", 1e4, &uniform(10, n, [0.0; 3], [1.0; 3])),
         PointSet::new("zeros of both signs and subnormals", 1e-3, &subnormal(n)),
         PointSet::new("the largest floats", 1e18, &vec![[f32::MAX, f32::MIN, f32::MAX]; n.min(100) as usize]),
-        PointSet::new("about the smallest radius", 2e-18, &uniform(12, n, [-4e-18; 3], [4e-18; 3])),
+        PointSet::new("about the smallest radius", 2e-9, &uniform(12, n, [-4e-9; 3], [4e-9; 3])),
         PointSet::new("about the largest radius", 5e17, &uniform(13, n, [-1e18; 3], [1e18; 3])),
     ];
     for table in [1, 2, 64, 1024] {
         // 32 cells an axis are 32 768: more than ten of one entry in any of these tables.
         let set = PointSet::new("colliding", 0.5, &colliding(n, 32, table, 0.5));
-        sets.push(PointSet { table: Some(table), ..set });
+        sets.push(PointSet { table: Some(table), cell: Some(0.5), ..set });
     }
     sets
 }

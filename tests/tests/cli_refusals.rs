@@ -6,7 +6,7 @@ use std::fs;
 #[test]
 fn bad_flags_are_refused() {
     let folder = folder();
-    let metres = ["--radius", "metres", "1e-18", "1e18"];
+    let metres = ["--radius", "metres", "1e-9", "1e18"];
     let k = ["--k", "whole number", "1 to 1024"];
     let sides = ["--size", "WIDTHxHEIGHT", "1 to 65536", "640x480"];
     let photons = ["photons", "1 to 536870912"];
@@ -162,7 +162,7 @@ fn bad_input_of_map_is_refused() {
         ("words.txt", &["words.txt", "line 1", "x y z"]),
         ("garbage.bin", &["garbage.bin", "UTF-8", "x y z"]),
         ("nan.txt", &["photon", "finite"]),
-        ("far.txt", &["cells along an axis", "--radius of at least"]),
+        ("far.txt", &["photons span", "remove those far away"]),
         (".", &["x y z"]),
         ("uniform:0", &["uniform:0", "1 to 268435456"]),
         ("uniform:many", &["uniform:many", "1 to 268435456"]),
@@ -176,7 +176,7 @@ fn bad_input_of_map_is_refused() {
         ("--k", "100000000", &["--k", "1 to 1024"]),
         ("--queries", "0", &["--queries", "1 to"]),
         ("--repeat", "-1", &["--repeat", "1 to 1000"]),
-        ("--radius", "nan", &["--radius", "1e-18 to 1e18"]),
+        ("--radius", "nan", &["--radius", "1e-9 to 1e18"]),
         ("--hash", "md5", &["linear, teschner, morton"]),
     ] {
         refused(&folder, &["map", "--photons", "uniform:100", "--device", "cpu", flag, value], words);

@@ -140,7 +140,7 @@ fn a_buffer_beyond_the_gpus_limit_is_an_error_with_all_numbers() {
     let words = limits.iter().max().unwrap() / 4 + 1;
     for (name, flag) in [
         ("photons", "--photons or --caustic-photons"),
-        ("map: cell starts", "the number of cells: raise --radius or use --hash teschner"),
+        ("map: cell begins", "the number of cells: use --hash teschner"),
         ("film", "--size"),
     ] {
         let error = gpu.buffer::<u32>(name, words).err().unwrap();

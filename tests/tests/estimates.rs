@@ -45,7 +45,7 @@ fn even_estimates(k: u32) -> (Vec<f64>, Vec<f64>) {
     for seed in 0..MAPS {
         let mut photons = photons_at(seed, &uniform(1000 + seed, PHOTONS, [0.0; 3], [1.0, 0.0, 1.0]));
         photons.iter_mut().for_each(|photon| photon.power = [1.0 / PHOTONS as f32; 3]);
-        let options = MapOptions { radius: RADIUS, hash: HASHES[seed as usize % 3], table: None };
+        let options = MapOptions { radius: RADIUS, hash: HASHES[seed as usize % 3], table: None, cell: None };
         let map = PhotonMap::build(&cpu, &photons, &options).unwrap();
         // Queries 0.0625 apart and 0.09375 or more from the border: discs of 51 photons have a radius of 0.028 or so, so that
         // neither do they overlap nor does the border cut them.

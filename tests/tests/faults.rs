@@ -1,7 +1,7 @@
 //! Planted faults: each comparison that other tests rely on fails when the smallest thing is wrong.
 
 use caustic_device::{Device, Plan};
-use caustic_kernels::layout::{Irradiance, Neighbour, Photon};
+use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Site};
 use caustic_kernels::num::div;
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
 use caustic_tests::points::{photons_at, query, uniform};
@@ -19,7 +19,7 @@ fn photons() -> Vec<Photon> {
 
 fn map(photons: &[Photon]) -> (Device, PhotonMap) {
     let cpu = Device::cpu();
-    let options = MapOptions { radius: RADIUS, hash: Hash::Teschner, table: None };
+    let options = MapOptions { radius: RADIUS, hash: Hash::Teschner, table: None, cell: None };
     let map = PhotonMap::build(&cpu, photons, &options).unwrap();
     (cpu, map)
 }
@@ -175,25 +175,25 @@ fn a_photon_dropped_from_a_map_is_seen() {
 fn faults_of_a_maps_buffers_are_seen() {
     let photons = photons();
     let (cpu, map) = map(&photons);
-    let [sorted, order, starts, ends] = map.buffers();
+    let [sites, arrivals, begins] = map.buffers();
     let count = photons.len() as u64;
-    let table = u64::from(map.grid().table);
-    let sorted: Vec<Photon> = cpu.read(sorted, count).unwrap();
-    let mut wrong = sorted.clone();
+    let sites: Vec<Site> = cpu.read(sites, count).unwrap();
+    let mut wrong = sites.clone();
     wrong.swap(10, 11);
-    assert!(compare_words("photons", &sorted, &wrong).is_err());
-    for buffer in [order, starts, ends] {
-        let length = if buffer.bytes() == 4 * count { count } else { table };
-        let right: Vec<u32> = cpu.read(buffer, length).unwrap();
-        assert_eq!(compare_words(buffer.name(), &right, &right), Ok(right.len()));
-        let mut wrong = right.clone();
-        *wrong.last_mut().unwrap() ^= 1;
-        assert!(compare_words(buffer.name(), &right, &wrong).is_err());
-        let at = (1..right.len()).find(|&i| right[i - 1] != right[i]).unwrap();
-        let mut wrong = right.clone();
-        wrong.swap(at - 1, at);
-        assert!(compare_words(buffer.name(), &right, &wrong).is_err());
-    }
+    assert!(compare_words("sites", &sites, &wrong).is_err());
+    let arrivals: Vec<Arrival> = cpu.read(arrivals, count).unwrap();
+    let mut wrong = arrivals.clone();
+    wrong.swap(10, 11);
+    assert!(compare_words("arrivals", &arrivals, &wrong).is_err());
+    let right: Vec<u32> = cpu.read(begins, u64::from(map.grid().table) + 1).unwrap();
+    assert_eq!(compare_words("begins", &right, &right), Ok(right.len()));
+    let mut wrong = right.clone();
+    *wrong.last_mut().unwrap() ^= 1;
+    assert!(compare_words("begins", &right, &wrong).is_err());
+    let at = (1..right.len()).find(|&i| right[i - 1] != right[i]).unwrap();
+    let mut wrong = right.clone();
+    wrong.swap(at - 1, at);
+    assert!(compare_words("begins", &right, &wrong).is_err());
 }
 
 #[test]

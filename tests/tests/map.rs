@@ -2,7 +2,7 @@
 
 use caustic_device::Device;
 use caustic_kernels::gather::distance2;
-use caustic_kernels::grid::{cell_of, least_distance2};
+use caustic_kernels::grid::{cell_of, coordinates, gap};
 use caustic_photon_map::{Gather, Hash, MAX_K, MapError, MapOptions, PhotonMap, plan_grid};
 use caustic_tests::maps::*;
 use caustic_tests::points::{photons_at, query, sets, uniform, unit3};
@@ -62,12 +62,12 @@ fn the_gpu_fills_its_larger_containers() {
 }
 
 /// More candidates than 16 bits count, the nearest of them last: a search that ends early finds others. llvmpipe ends that of a
-/// container, which is an error then; counting takes eight photons a step and comes to the end.
+/// container, which is an error then; counting takes four photons a step and comes to the end.
 #[test]
 fn a_crowded_cell_is_searched_to_its_end_or_it_is_an_error() {
     let points: Vec<_> = (0..70_000u32).rev().map(|i| [i as f32 * 1e-5, 0.0, 0.0]).collect();
     let photons = photons_at(3, &points);
-    let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None };
+    let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None, cell: Some(1.0) };
     let queries = [query([0.0; 3])];
     let within = oracle_within(&photons, [0.0; 3], 1.0);
     let neighbours = vec![within[..3].to_vec()];
@@ -78,7 +78,7 @@ fn a_crowded_cell_is_searched_to_its_end_or_it_is_an_error() {
             let stage = format!("{}, {gather:?}", device.name());
             let (found, estimated) =
                 (map.k_nearest(device, &queries, 3, gather), map.irradiance(device, &queries, 3, gather));
-            if limits_loops(device) {
+            if limits_loops(device) && gather != Gather::Histogram {
                 let error = found.unwrap_err();
                 assert!(matches!(error, MapError::CutShort { searches: 1, .. }), "{stage}: {error}");
             } else {
@@ -113,26 +113,28 @@ fn queries_reach_photons_across_cells_that_share_a_table_entry() {
 
 /// Cells are left out of a search by this bound: were it ever too large, photons would be lost.
 #[test]
-fn no_photon_is_nearer_than_the_bound_of_its_cell() {
+fn no_photon_is_nearer_than_the_gap_to_its_cell() {
     for set in sets(500) {
         let (low, high) = set.bounds();
-        let grid = plan_grid(low, high, set.photons.len() as u64, &set.options(Hash::Teschner)).unwrap();
-        let mut bounded = 0;
-        for query in &set.queries {
-            let centre = cell_of(&grid, query.position);
-            for photon in &set.photons {
-                let cell = cell_of(&grid, photon.position);
-                if (0..3).all(|axis| cell[axis].abs_diff(centre[axis]) <= 1) {
-                    let bound = least_distance2(&grid, query.position, centre, cell);
+        for cell in [0.3, 1.0] {
+            let options = MapOptions { cell: Some(cell * set.radius), ..set.options(Hash::Teschner) };
+            let grid = plan_grid(low, high, set.photons.len() as u64, &[], &options).unwrap();
+            let mut bounded = 0;
+            for query in &set.queries {
+                let c = coordinates(&grid, query.position);
+                for photon in &set.photons {
+                    let cell = cell_of(&grid, photon.position);
+                    let gaps: [f32; 3] = std::array::from_fn(|axis| gap(&grid, c[axis], cell[axis]));
+                    let bound: f32 = gaps.map(|gap| gap * gap).iter().sum();
                     let d2 = distance2(query.position, photon.position);
                     assert!(bound <= d2, "{}: {bound:e} > {d2:e}, {query:?}, {photon:?}", set.name);
                     bounded += u32::from(bound > 0.0);
                 }
             }
+            // Sets of one cell have no neighbouring cells.
+            let several = grid.cells.iter().any(|&cells| cells > 2);
+            assert!(bounded > 0 || !several || set.photons.len() < 2, "{}: no bound was put to the test", set.name);
         }
-        // Sets of one cell have no neighbouring cells.
-        let several = grid.cells.iter().any(|&cells| cells > 4);
-        assert!(bounded > 0 || !several || set.photons.len() < 2, "{}: no bound was put to the test", set.name);
     }
 }
 
@@ -141,7 +143,7 @@ fn more_neighbours_than_photons_gives_all_of_them() {
     let cpu = Device::cpu();
     let photons = photons_at(1, &uniform(1, 7, [0.0; 3], [1.0; 3]));
     for hash in HASHES {
-        let map = PhotonMap::build(&cpu, &photons, &MapOptions { radius: 4.0, hash, table: None }).unwrap();
+        let map = PhotonMap::build(&cpu, &photons, &MapOptions { radius: 4.0, hash, table: None, cell: None }).unwrap();
         for gather in GATHERS {
             let found = map.k_nearest(&cpu, &[query([0.5; 3])], MAX_K, gather).unwrap();
             let mut indices: Vec<_> = found[0].iter().map(|neighbour| neighbour.photon).collect();
@@ -157,7 +159,7 @@ fn more_neighbours_than_photons_gives_all_of_them() {
 fn no_queries_give_no_results() {
     for device in [Some(&Device::cpu()), gpu()].into_iter().flatten() {
         let photons = photons_at(1, &[[0.0; 3]]);
-        let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None };
+        let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None, cell: None };
         let map = PhotonMap::build(device, &photons, &options).unwrap();
         assert!(map.k_nearest(device, &[], 5, Gather::Heap).unwrap().is_empty());
         assert!(map.irradiance(device, &[], 5, Gather::Heap).unwrap().is_empty());
@@ -208,6 +210,7 @@ proptest! {
         hash in prop::sample::select(&HASHES[..]),
         gather in prop::sample::select(&GATHERS[..]),
         table_bits in prop::option::of(0u32..12),
+        cell in prop::option::of(0.02f32..3.0),
         k in 1u32..=MAX_K,
     ) {
         let size = 10f32.powi(scale);
@@ -219,7 +222,7 @@ proptest! {
         }
         let photons = photons_at(seed, &points);
         let radius = relative_radius * size;
-        let options = MapOptions { radius, hash, table: table_bits.map(|bits| 1 << bits) };
+        let options = MapOptions { radius, hash, table: table_bits.map(|bits| 1 << bits), cell: cell.map(|cell| cell * radius) };
         let cpu = Device::cpu();
         let map = PhotonMap::build(&cpu, &photons, &options).unwrap();
         let mut queries: Vec<_> = points.iter().step_by(29).map(|&point| query(point)).collect();

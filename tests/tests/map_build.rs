@@ -1,7 +1,8 @@
 //! How a map is built: every photon once, in its cell, the same on every device.
 
 use caustic_device::{Device, Kernel, LaneOrder, Plan};
-use caustic_kernels::layout::{Neighbour, Photon};
+use caustic_kernels::grid::GRID_BLOCK;
+use caustic_kernels::layout::{Arrival, Neighbour, Photon, Site};
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
 use caustic_tests::maps::*;
 use caustic_tests::points::{PointSet, photons_at, query, sets, uniform};
@@ -11,22 +12,24 @@ use caustic_tests::{assert_same_words, gpu};
 struct Built {
     keys: Vec<u32>,
     sorted_keys: Vec<u32>,
-    photons: Vec<Photon>,
     order: Vec<u32>,
-    starts: Vec<u32>,
-    ends: Vec<u32>,
+    sites: Vec<Site>,
+    arrivals: Vec<Arrival>,
+    begins: Vec<u32>,
 }
 
 fn build(device: &Device, set: &PointSet, hash: Hash) -> Built {
     let map = PhotonMap::build(device, &set.photons, &set.options(hash)).unwrap();
     let (count, table) = (u64::from(map.grid().photons), u64::from(map.grid().table));
-    let [photons, order, starts, ends] = map.buffers();
+    let [sites, arrivals, begins] = map.buffers();
     // The map keeps no keys: the same stages again, for themselves.
     let grid = device.upload("grid", &[*map.grid()]).unwrap();
     let unsorted = device.upload("photons", &set.photons).unwrap();
     let keys = device.buffer::<u32>("keys", count).unwrap();
     let mut plan = Plan::new();
-    plan.each(Kernel::HashPhotons, count as u32, &[&grid, &unsorted, &keys]);
+    let blocks = (count as u32).div_ceil(GRID_BLOCK);
+    let powers = device.buffer::<u32>("powers", u64::from(blocks)).unwrap();
+    plan.groups(Kernel::HashPhotons, blocks, &[&grid, &unsorted, &keys, &powers]);
     device.run(&plan).unwrap();
     let unsorted_keys = device.read(&keys, count).unwrap();
     let mut plan = Plan::new();
@@ -35,10 +38,10 @@ fn build(device: &Device, set: &PointSet, hash: Hash) -> Built {
     Built {
         keys: unsorted_keys,
         sorted_keys: device.read(&sorted.keys, count).unwrap(),
-        photons: device.read(photons, count).unwrap(),
-        order: device.read(order, count).unwrap(),
-        starts: device.read(starts, table).unwrap(),
-        ends: device.read(ends, table).unwrap(),
+        order: device.read(&sorted.order, count).unwrap(),
+        sites: device.read(sites, count).unwrap(),
+        arrivals: device.read(arrivals, count).unwrap(),
+        begins: device.read(begins, table + 1).unwrap(),
     }
 }
 
@@ -46,9 +49,9 @@ fn assert_same_build(stage: &str, a: &Built, b: &Built) {
     assert_same_words(&format!("{stage}, keys"), &a.keys, &b.keys);
     assert_same_words(&format!("{stage}, sorted keys"), &a.sorted_keys, &b.sorted_keys);
     assert_same_words(&format!("{stage}, order"), &a.order, &b.order);
-    assert_same_words(&format!("{stage}, starts"), &a.starts, &b.starts);
-    assert_same_words(&format!("{stage}, ends"), &a.ends, &b.ends);
-    assert_same_words(&format!("{stage}, photons"), &a.photons, &b.photons);
+    assert_same_words(&format!("{stage}, begins"), &a.begins, &b.begins);
+    assert_same_words(&format!("{stage}, sites"), &a.sites, &b.sites);
+    assert_same_words(&format!("{stage}, arrivals"), &a.arrivals, &b.arrivals);
 }
 
 #[test]
@@ -59,17 +62,18 @@ fn a_map_holds_every_photon_once_in_the_range_of_its_cell() {
             let built = build(&cpu, &set, hash);
             let stage = format!("{}, {hash:?}", set.name);
             caustic_tests::compare_sorted(&stage, &built.keys, &built.sorted_keys, &built.order).unwrap();
-            let reordered: Vec<_> = built.order.iter().map(|&i| set.photons[i as usize]).collect();
-            assert_same_words(&stage, &reordered, &built.photons);
-            let mut covered = 0;
-            for (entry, (&start, &end)) in (0..).zip(built.starts.iter().zip(&built.ends)) {
-                assert!(start <= end, "{stage}: entry {entry} is {start}..{end}");
-                assert!(start < end || (start, end) == (0, 0), "{stage}: empty entry {entry} is {start}..{end}");
-                let range = start as usize..end as usize;
-                assert!(built.sorted_keys[range].iter().all(|&key| key == entry), "{stage}: entry {entry}");
-                covered += end - start;
+            for (&i, (site, arrival)) in built.order.iter().zip(built.sites.iter().zip(&built.arrivals)) {
+                let photon = set.photons[i as usize];
+                assert_eq!(*site, Site { position: photon.position, photon: i });
+                assert_eq!(*arrival, Arrival { power: photon.power, direction: photon.direction });
             }
-            assert_eq!(covered as usize, set.photons.len(), "{stage}");
+            let mut covered = 0;
+            for (entry, ends) in (0..).zip(built.begins.windows(2)) {
+                let range = ends[0] as usize..ends[1] as usize;
+                assert!(built.sorted_keys[range.clone()].iter().all(|&key| key == entry), "{stage}: entry {entry}");
+                covered += range.len();
+            }
+            assert_eq!(covered, set.photons.len(), "{stage}");
         }
     }
 }
@@ -116,7 +120,7 @@ fn more_photons_than_a_float_can_count() {
     let photon =
         |i: u32| Photon { position: [(i % 4096) as f32, (i >> 12) as f32, 0.0], power: [1.0; 3], ..Photon::default() };
     let photons: Vec<_> = (0..COUNT).map(photon).collect();
-    let options = MapOptions { radius: 1.25, hash: Hash::Teschner, table: None };
+    let options = MapOptions { radius: 1.25, hash: Hash::Teschner, table: None, cell: None };
     for device in [Some(&Device::cpu()), gpu().filter(|gpu| !limits_loops(gpu))].into_iter().flatten() {
         let map = PhotonMap::build(device, &photons, &options).unwrap();
         let last = photon(COUNT - 1).position;

@@ -9,7 +9,7 @@ use caustic_tests::points::{photons_at, query, uniform};
 fn positions_that_are_no_numbers_are_counted_and_the_first_is_named() {
     let cpu = Device::cpu();
     let mut photons = photons_at(1, &uniform(1, 100, [0.0; 3], [1.0; 3]));
-    let options = MapOptions { radius: 0.1, hash: Hash::Linear, table: None };
+    let options = MapOptions { radius: 0.1, hash: Hash::Linear, table: None, cell: None };
     let map = PhotonMap::build(&cpu, &photons, &options).unwrap();
     photons[40].position[0] = f32::NAN;
     photons[41].position[1] = f32::INFINITY;
@@ -30,7 +30,7 @@ fn positions_that_are_no_numbers_are_counted_and_the_first_is_named() {
 #[test]
 fn impossible_numbers_of_neighbours_are_refused_with_the_bounds() {
     let cpu = Device::cpu();
-    let options = MapOptions { radius: 0.1, hash: Hash::Linear, table: None };
+    let options = MapOptions { radius: 0.1, hash: Hash::Linear, table: None, cell: None };
     let map = PhotonMap::build(&cpu, &photons_at(1, &[[0.0; 3]]), &options).unwrap();
     for k in [0, MAX_K + 1, 100_000_000, u32::MAX] {
         for gather in GATHERS {
@@ -53,18 +53,18 @@ fn impossible_numbers_of_neighbours_are_refused_with_the_bounds() {
 fn options_that_make_no_map_are_refused() {
     let cpu = Device::cpu();
     let photons = photons_at(1, &[[0.0; 3], [100.0; 3]]);
-    let build = |radius, hash, table| PhotonMap::build(&cpu, &photons, &MapOptions { radius, hash, table }).err();
+    let build = |radius, hash, table| PhotonMap::build(&cpu, &photons, &MapOptions { radius, hash, table, cell: None }).err();
     for radius in [0.0, -0.0, -1.0, 1e-30, 1e30, f32::NAN, f32::INFINITY] {
         assert!(matches!(build(radius, Hash::Linear, None), Some(MapError::Radius { .. })), "{radius}");
     }
-    assert!(matches!(build(1e-5, Hash::Teschner, None), Some(MapError::TooManyCells { .. })));
-    assert!(matches!(build(1e-2, Hash::Linear, None), Some(MapError::TableTooLarge { .. })));
+    // However small, a radius only makes cells as small as they can be.
+    assert!(build(1e-9, Hash::Linear, None).is_none() && build(1e-9, Hash::Teschner, None).is_none());
     for table in [0, 3, 1000, 1 << 28] {
         assert!(matches!(build(1.0, Hash::Morton, Some(table)), Some(MapError::TableSize { .. })), "{table}");
     }
     assert!(build(1e-2, Hash::Teschner, Some(1)).is_none());
     // The box of these would have an infinite side.
     let photons = photons_at(1, &[[f32::MIN; 3], [f32::MAX; 3]]);
-    let options = MapOptions { radius: 1e18, hash: Hash::Teschner, table: None };
-    assert!(matches!(PhotonMap::build(&cpu, &photons, &options).err(), Some(MapError::TooManyCells { .. })));
+    let options = MapOptions { radius: 1e18, hash: Hash::Teschner, table: None, cell: None };
+    assert!(matches!(PhotonMap::build(&cpu, &photons, &options).err(), Some(MapError::Extent { .. })));
 }

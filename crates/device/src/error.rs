@@ -77,7 +77,7 @@ pub enum Error {
 /// The flags of the command line on which the size of a buffer depends.
 pub(crate) fn flag_of(buffer: &str) -> &'static str {
     match buffer {
-        b if b.contains("cell") => "the number of cells: raise --radius or use --hash teschner",
+        b if b.contains("cell") => "the number of cells: use --hash teschner",
         b if b.contains("film") => "--size",
         b if b.contains("sample") => "--spp",
         b if b.contains("neighbour") => "--k or the number of queries",

@@ -137,14 +137,17 @@ macro_rules! run {
     (gather($container:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
         $groups.each($lanes, |i| $module::$body(i, <$container>::new(), $(pass!($access $arg)),*))
     };
+    (columns($shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
+        $groups.columns::<$shared>($lanes, |i, lane, shared| $module::$body(i, lane, shared, $(pass!($access $arg)),*))
+    };
     (group($registers:ty; $shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident,
      $($access:ident $arg:ident),*) => {
         $groups.phases::<$registers, $shared>($lanes, 1, |lanes, group, shared| {
             $module::$body(lanes, group, shared, $(pass!($access $arg)),*);
         })
     };
-    (lanes($registers:ident; $shared:ty), $groups:expr, $lanes:tt, $($rest:tt)*) => {
-        run!(group($registers<{ (SORT_BLOCK / $lanes) as usize }>; $shared), $groups, $lanes, $($rest)*)
+    (lanes($registers:ident; $shared:ty), $($rest:tt)*) => {
+        run!(subgroups($registers; $shared), $($rest)*)
     };
     // One lane does a block fastest. Where the order of lanes is on trial, they are as many as a GPU's.
     (subgroups($registers:ident; $shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident,

@@ -2,8 +2,8 @@
 
 use bytemuck::Pod;
 use caustic_kernels::gather::GatherParams;
-use caustic_kernels::grid::Grid;
-use caustic_kernels::layout::{Irradiance, Neighbour, Photon, Query};
+use caustic_kernels::grid::{Grid, Row};
+use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
@@ -34,8 +34,11 @@ records! {
     Query: "fffu",
     Neighbour: "fu",
     Irradiance: "fffu",
-    Grid: "ffffuuuuuufff",
-    GatherParams: "uu",
+    Site: "fffu",
+    Arrival: "fffu",
+    Grid: "ffffuuuuuufffu",
+    Row: "uuf",
+    GatherParams: "uufu",
     RadixPass: "uuuu",
     ScanParams: "uu",
     PhotonPass: "uuuuuu",

@@ -19,6 +19,26 @@ pub struct Photon {
     pub primitive: u32,
 }
 
+/// Where a photon of a map lies: all that a search looks at, 16 bytes.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Site {
+    /// Position, m.
+    pub position: [f32; 3],
+    /// Index of the photon in the order in which photons were given, before the map sorted them.
+    pub photon: u32,
+}
+
+/// What a photon of a map brings: read of those that count.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Arrival {
+    /// Power ΔΦ, W, for each of red, green and blue.
+    pub power: [f32; 3],
+    /// Direction of travel, packed by [`pack_direction`](crate::trace::vector::pack_direction).
+    pub direction: u32,
+}
+
 /// A point at which photons are sought.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -51,6 +71,8 @@ pub struct Irradiance {
 
 const _: () = {
     assert!(size_of::<Photon>() == 32);
+    assert!(size_of::<Site>() == 16);
+    assert!(size_of::<Arrival>() == 16);
     assert!(size_of::<Query>() == 16);
     assert!(size_of::<Neighbour>() == 8);
     assert!(size_of::<Irradiance>() == 16);

@@ -6,8 +6,9 @@
 ///
 /// * the shape is `each` (one invocation an element), `group (registers; shared)` (a workgroup in phases),
 ///   `subgroups (registers; shared)` (a block of [`SORT_BLOCK`](crate::sort::SORT_BLOCK) items, shared out among lanes in subgroups
-///   with ballots), `lanes (registers; shared)` (the same body for devices without them) or `gather (container)` (like `each`,
-///   with a container of candidates as its first parameter);
+///   with ballots), `lanes (registers; shared)` (the same without subgroups), `columns (shared)` (like `each`, with the lane and shared memory
+///   in which each lane has its own column) or `gather (container)` (like `each`, with a container of candidates as its first
+///   parameter);
 /// * a parameter `b name: Access T` is the buffer of binding `b`: `One T` a single record and `In T` a slice, both read;
 ///   `Out T` a slice that the stage writes and does not read.
 ///
@@ -35,83 +36,98 @@ macro_rules! stages {
                 5 keys_out: Out u32, 6 values_out: Out u32
             ) = sort::radix_scatter;
 
-            each HashPhotons = hash_photons [256] (
-                0 grid: One Grid, 1 photons: In Photon, 2 keys: Out u32
+            lanes(GridRegisters; LargestShared) HashPhotons = hash_photons [256] (
+                0 grid: One Grid, 1 photons: In Photon, 2 keys: Out u32, 3 powers: Out u32
             ) = grid::hash_photons;
-            each CellRanges = cell_ranges [256] (
-                0 grid: One Grid, 1 keys: In u32, 2 starts: Out u32, 3 ends: Out u32
-            ) = grid::cell_ranges;
+            lanes(GridRegisters; LargestShared) CellBegins = cell_begins [256] (
+                0 grid: One Grid, 1 keys: In u32, 2 powers: In u32, 3 begins: Out u32, 4 power: Out u32
+            ) = grid::cell_begins;
             each ReorderPhotons = reorder_photons [256] (
-                0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 sorted: Out Photon
+                0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 sites: Out Site, 4 arrivals: Out Arrival
             ) = grid::reorder_photons;
+            each HashQueries = hash_queries [256] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 keys: Out u32
+            ) = grid::hash_queries;
 
-            each IrradianceHistogram = irradiance_histogram [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+            columns(Columns) IrradianceHistogram = irradiance_histogram [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance_by_counting;
             gather(Heap<17>) IrradianceHeap17 = irradiance_heap_17 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
             gather(Heap<65>) IrradianceHeap65 = irradiance_heap_65 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
             gather(Heap<257>) IrradianceHeap257 = irradiance_heap_257 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
             gather(Heap<1025>) IrradianceHeap1025 = irradiance_heap_1025 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
             gather(SortedList<17>) IrradianceList17 = irradiance_list_17 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
             gather(SortedList<65>) IrradianceList65 = irradiance_list_65 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
             gather(SortedList<257>) IrradianceList257 = irradiance_list_257 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
             gather(SortedList<1025>) IrradianceList1025 = irradiance_list_1025 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 irradiance: Out Irradiance
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_irradiance;
+            each IrradianceDensity = irradiance_density [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
+            ) = gather::gather_density;
+            columns(WideColumns) NeighboursHistogram = neighbours_histogram [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
+            ) = gather::gather_neighbours_by_counting;
+            each OrderNeighbours = order_neighbours [64] (
+                0 params: One GatherParams, 1 counts: In u32, 2 windows: In u32, 3 unordered: In Neighbour,
+                4 neighbours: Out Neighbour
+            ) = gather::order_neighbours;
             gather(Heap<17>) NeighboursHeap17 = neighbours_heap_17 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
             gather(Heap<65>) NeighboursHeap65 = neighbours_heap_65 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
             gather(Heap<257>) NeighboursHeap257 = neighbours_heap_257 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
             gather(Heap<1025>) NeighboursHeap1025 = neighbours_heap_1025 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
             gather(SortedList<17>) NeighboursList17 = neighbours_list_17 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
             gather(SortedList<65>) NeighboursList65 = neighbours_list_65 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
             gather(SortedList<257>) NeighboursList257 = neighbours_list_257 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
             gather(SortedList<1025>) NeighboursList1025 = neighbours_list_1025 [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 photons: In Photon, 4 order: In u32,
-                5 starts: In u32, 6 ends: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
 
             each CountPhotons = count_photons [64] (
@@ -141,8 +157,11 @@ macro_rules! stages {
             ) = probe::arithmetic;
             each LayoutMap = layout_map [64] (
                 0 photons: In Photon, 1 queries: In Query, 2 neighbours: In Neighbour, 3 irradiance: In Irradiance,
-                4 grid: In Grid, 5 gather: In GatherParams, 6 words: Out u32
+                4 sites: In Site, 5 arrivals: In Arrival, 6 words: Out u32
             ) = probe::layout_map;
+            each LayoutGrid = layout_grid [64] (
+                0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 words: Out u32
+            ) = probe::layout_grid;
             each LayoutSort = layout_sort [64] (
                 0 radix: In RadixPass, 1 scan: In ScanParams, 2 pass: In PhotonPass, 3 targets: In Target, 4 words: Out u32
             ) = probe::layout_sort;

@@ -6,7 +6,7 @@
 pub enum MapError {
     /// The query radius is not a usable length.
     #[error(
-        "the radius is {radius} but must be a number from 1e-18 to 1e18 m; scale the scene if it is that small or large"
+        "the radius is {radius} but must be a number from 1e-9 to 1e18 m; scale the scene if it is that small or large"
     )]
     Radius {
         /// What was given, m.
@@ -40,31 +40,13 @@ pub enum MapError {
         /// Index of the first.
         first: usize,
     },
-    /// The radius is too small for the extent of the photons.
-    #[error(
-        "the radius {radius} m cuts the map's {extent:e} m into {cells:e} cells along an axis but at most {max} are possible; use a --radius of at least {least:.4e} m"
-    )]
-    TooManyCells {
-        /// Radius, m.
-        radius: f32,
+    /// The box of the photons is too large for differences of coordinates to be finite.
+    #[error("the photons span {extent:e} m along an axis but at most {max:e} are possible; remove those far away")]
+    Extent {
         /// Longest side of the bounding box, m.
         extent: f64,
-        /// Cells that it would take.
-        cells: f64,
-        /// Most cells an axis may have.
-        max: u32,
-        /// Smallest radius that works, m.
-        least: f64,
-    },
-    /// The hash table would be too large.
-    #[error(
-        "the linear hash needs a table of {entries} cells but at most {max} are possible; use --hash teschner or a larger --radius"
-    )]
-    TableTooLarge {
-        /// Entries that it would take.
-        entries: u128,
-        /// Most entries a table may have.
-        max: u32,
+        /// Longest that works, m.
+        max: f64,
     },
     /// A table size that is no power of two.
     #[error("the hash table has {entries} entries but must have a power of two, at most {max}")]

@@ -1,11 +1,20 @@
 //! The grid over a bounding box: its origin, its cells and its table.
 
+use crate::crowding::cell_width;
 use crate::{Hash, MapError, MapOptions};
-use caustic_kernels::grid::{Grid, MAX_CELLS_PER_AXIS};
+use caustic_kernels::grid::{Grid, MAX_CELLS_PER_AXIS, MAX_REACH, Row};
 use caustic_kernels::num::{floor_to_i32, is_finite};
 
-/// Most entries of a hash table: 2 × 4 bytes each.
+/// Most entries of a hash table: 4 bytes each.
 pub const MAX_TABLE: u32 = 1 << 27;
+/// Longest side of a grid, m.
+const MAX_EXTENT: f64 = 1e37;
+/// Most cells of a linear hash: three passes of the sort.
+const MAX_CELLS: u32 = 1 << 24;
+/// Most cells to a radius.
+const MOST_REACH: f64 = 64.0;
+/// Radii that a map can have, m: where squared distances are far above those that count as none, and finite.
+pub const RADII: std::ops::RangeInclusive<f32> = 1e-9..=1e18;
 /// Most photons of a map.
 pub(crate) const MAX_PHOTONS: u32 = 1 << 30;
 
@@ -34,44 +43,41 @@ pub fn bounds(what: &'static str, positions: impl Iterator<Item = [f32; 3]>) -> 
     Ok(if count == 0 { ([0.0; 3], [0.0; 3]) } else { (low, high) })
 }
 
-/// The grid for `photons` photons inside the box from `low` to `high`.
+/// The grid for `photons` photons inside the box from `low` to `high`. `sample` are the positions of some of them, any as likely
+/// as another: how they crowd says how wide cells should be.
 ///
 /// # Errors
-/// [`MapError::Radius`], [`MapError::TooManyCells`], [`MapError::TableTooLarge`], [`MapError::TableSize`] and
-/// [`MapError::TooMany`].
-pub fn plan_grid(low: [f32; 3], high: [f32; 3], photons: u64, options: &MapOptions) -> Result<Grid, MapError> {
+/// [`MapError::Radius`], [`MapError::Extent`], [`MapError::TableSize`] and [`MapError::TooMany`].
+pub fn plan_grid(
+    low: [f32; 3],
+    high: [f32; 3],
+    photons: u64,
+    sample: &[[f32; 3]],
+    options: &MapOptions,
+) -> Result<Grid, MapError> {
     let radius = options.radius;
-    // Outside this range the square of the radius leaves the normal numbers.
-    if !(1e-18..=1e18).contains(&radius) {
+    if !RADII.contains(&radius) {
         return Err(MapError::Radius { radius });
     }
     if photons > u64::from(MAX_PHOTONS) {
         return Err(MapError::TooMany { what: "photons", count: photons, max: MAX_PHOTONS });
     }
-    let extent = (0..3).map(|axis| f64::from(high[axis]) - f64::from(low[axis])).fold(0.0, f64::max);
-    let inner = extent / f64::from(radius) + 1.0;
-    let most = MAX_CELLS_PER_AXIS - 2;
-    if inner > f64::from(most) {
-        return Err(MapError::TooManyCells {
-            radius,
-            extent,
-            cells: inner.ceil(),
-            max: most,
-            // A thousandth more, so that its first digits are enough.
-            least: 1.001 * extent / f64::from(most - 2),
-        });
+    let sides: [f64; 3] = std::array::from_fn(|axis| f64::from(high[axis]) - f64::from(low[axis]));
+    let extent = sides.into_iter().fold(0.0, f64::max);
+    if extent > MAX_EXTENT {
+        return Err(MapError::Extent { extent, max: MAX_EXTENT });
     }
-    // (x − origin)·s has a relative error of 2⁻²³ at most, hence an absolute one of inner·2⁻²³ cells, for each of two points;
-    // a distance that is taken for r_max may be larger by 2⁻²¹. With s smaller by as much, points at most r_max apart
-    // are never two cells apart.
-    let margin = inner * 2f64.powi(-22) + 2f64.powi(-20);
-    let inverse_cell = round_down((1.0 - margin) / f64::from(radius));
+    let wanted = options.cell.map_or_else(|| cell_width(low, sides, photons, sample, options), f64::from);
+    let width = possible_width(sides, wanted, options);
+    // (x − origin)·s has a relative error of 2⁻²³ at most, hence an absolute one of inner·2⁻²³ cells, for each of two points.
+    let inner = extent / width + 1.0;
+    let inverse_cell = round_down(1.0 / width);
     let mut cells = [0; 3];
     for axis in 0..3 {
-        // The kernels' own arithmetic: the highest corner gets the last inner cell.
-        cells[axis] = floor_to_i32((high[axis] - low[axis]) * inverse_cell) as u32 + 3;
+        // The kernels' own arithmetic: the highest corner gets the last cell.
+        cells[axis] = floor_to_i32((high[axis] - low[axis]) * inverse_cell) as u32 + 1;
     }
-    Ok(Grid {
+    let mut grid = Grid {
         origin: low,
         inverse_cell,
         cells,
@@ -82,7 +88,47 @@ pub fn plan_grid(low: [f32; 3], high: [f32; 3], photons: u64, options: &MapOptio
         // 2⁻²⁰ covers the rounding of a squared distance, on both sides of the comparison it is made for.
         cell_width: round_down((1.0 - 2f64.powi(-20)) / f64::from(inverse_cell)),
         slack: (inner * 2f64.powi(-22)) as f32 + f32::EPSILON,
-    })
+        rows: 0,
+    };
+    grid.rows = rows(&grid).len() as u32;
+    Ok(grid)
+}
+
+/// The rows of cells that a search may have to visit, nearest first.
+#[must_use]
+pub fn rows(grid: &Grid) -> Vec<Row> {
+    let reach = MAX_REACH as i32 - 1;
+    let gap = |cells: i32| {
+        let gap = f64::from(cells.abs() - 1) - f64::from(grid.slack);
+        gap.max(0.0) * f64::from(grid.cell_width)
+    };
+    let axis: Vec<i32> = (-reach..=reach).filter(|&cells| gap(cells).powi(2) <= f64::from(grid.radius2)).collect();
+    let mut rows: Vec<(i32, Row)> = Vec::new();
+    for &z in &axis {
+        for &y in &axis {
+            let least2 = gap(y).powi(2) + gap(z).powi(2);
+            if least2 <= f64::from(grid.radius2) {
+                let place = |cells: i32| (cells + MAX_REACH as i32) as u32;
+                rows.push((y * y + z * z, Row { y: place(y), z: place(z), least2: round_down(least2) }));
+            }
+        }
+    }
+    rows.sort_by(|(a, row_a), (b, row_b)| row_a.least2.total_cmp(&row_b.least2).then(a.cmp(b)));
+    rows.into_iter().map(|(_, row)| row).collect()
+}
+
+/// The width that cells can have: `wanted`, or more where there would be too many of them.
+fn possible_width(sides: [f64; 3], wanted: f64, options: &MapOptions) -> f64 {
+    let radius = f64::from(options.radius);
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    // A hash that scatters cells looks each one up: no more than 125 of them.
+    let finest = if options.hash == Hash::Linear { radius / MOST_REACH } else { radius / 2.0 };
+    let mut width = wanted.max(finest).max(longest / f64::from(MAX_CELLS_PER_AXIS - 8));
+    let cells = |width: f64| sides.into_iter().map(|side| (side / width).floor() + 1.0).product::<f64>();
+    while options.hash == Hash::Linear && cells(width) > f64::from(MAX_CELLS) {
+        width *= 1.01;
+    }
+    width
 }
 
 fn round_down(x: f64) -> f32 {
@@ -91,12 +137,8 @@ fn round_down(x: f64) -> f32 {
 }
 
 fn table(cells: [u32; 3], photons: u64, options: &MapOptions) -> Result<u32, MapError> {
-    let all: u128 = cells.iter().map(|&n| u128::from(n)).product();
     if options.hash == Hash::Linear {
-        if all > u128::from(MAX_TABLE) {
-            return Err(MapError::TableTooLarge { entries: all, max: MAX_TABLE });
-        }
-        return Ok(all as u32);
+        return Ok(cells.iter().product());
     }
     if let Some(entries) = options.table {
         if !entries.is_power_of_two() || entries > MAX_TABLE {
@@ -120,7 +162,7 @@ mod tests {
     use caustic_kernels::grid::cell_of;
 
     fn options(radius: f32, hash: Hash) -> MapOptions {
-        MapOptions { radius, hash, table: None }
+        MapOptions { radius, hash, table: None, cell: None }
     }
 
     #[test]
@@ -128,7 +170,8 @@ mod tests {
         // 2²⁰ cells an axis: where rounding is worst.
         let (low, high) = ([-300.0; 3], [724.0; 3]);
         let radius = 1024.0 / ((1 << 20) as f32 - 8.0);
-        let grid = plan_grid(low, high, 1, &options(radius, Hash::Teschner)).unwrap();
+        let options = MapOptions { cell: Some(radius), ..options(radius, Hash::Teschner) };
+        let grid = plan_grid(low, high, 1, &[], &options).unwrap();
         let mut worst = 0;
         for i in 0..1_000_000u32 {
             let a = -300.0 + 1023.0 * (i as f32 / 1e6);
@@ -142,22 +185,42 @@ mod tests {
     }
 
     #[test]
-    fn a_radius_that_the_grid_cannot_have_is_refused_with_one_that_it_can() {
-        let error = plan_grid([0.0; 3], [1e6; 3], 1, &options(1e-3, Hash::Teschner)).unwrap_err();
-        let MapError::TooManyCells { least, .. } = error else { panic!("{error}") };
-        assert!(plan_grid([0.0; 3], [1e6; 3], 1, &options(least as f32 * 1.000_001, Hash::Teschner)).is_ok());
-        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-30] {
-            assert!(matches!(
-                plan_grid([0.0; 3], [1.0; 3], 1, &options(radius, Hash::Linear)),
-                Err(MapError::Radius { .. })
-            ));
+    fn radii_out_of_range_are_refused_and_all_others_have_a_grid() {
+        for radius in [0.0, -1.0, f32::NAN, f32::INFINITY, 1e-10, 1e19] {
+            let refused = plan_grid([0.0; 3], [1.0; 3], 1, &[], &options(radius, Hash::Linear));
+            assert!(matches!(refused, Err(MapError::Radius { .. })));
+        }
+        for radius in [1e-9, 1e-3, 1.0, 1e18] {
+            for hash in [Hash::Linear, Hash::Teschner, Hash::Morton] {
+                let grid = plan_grid([-1e6, 0.0, 0.0], [1e6, 1e4, 1.0], 1, &[], &options(radius, hash)).unwrap();
+                assert!(grid.table <= MAX_TABLE && grid.cells.iter().all(|&n| n <= MAX_CELLS_PER_AXIS), "{grid:?}");
+            }
         }
     }
 
+    /// Every row that has a point within the radius of some point of the query's cell is in the table.
     #[test]
-    fn a_linear_table_that_would_overflow_is_refused() {
-        let error = plan_grid([0.0; 3], [1e4; 3], 1, &options(0.1, Hash::Linear)).unwrap_err();
-        assert!(matches!(error, MapError::TableTooLarge { entries, .. } if entries > 1 << 32), "{error}");
+    fn rows_come_nearest_first_and_reach_the_radius() {
+        for cell in [2.0, 1.0, 0.5, 0.3, 0.07] {
+            let options = MapOptions { cell: Some(cell), ..options(1.0, Hash::Linear) };
+            let grid = plan_grid([0.0; 3], [10.0; 3], 1, &[], &options).unwrap();
+            let rows = rows(&grid);
+            assert!(rows.is_sorted_by(|a, b| a.least2 <= b.least2));
+            assert_eq!((rows[0].y, rows[0].z), (MAX_REACH, MAX_REACH));
+            // The cells around the query's come first: a guess counts on it.
+            assert!(rows[..9].iter().all(|row| row.y.abs_diff(MAX_REACH) <= 1 && row.z.abs_diff(MAX_REACH) <= 1));
+            let reach = (1.0 / cell).ceil() as i32 + 2;
+            let near = |cells: i32| f64::from((cells.abs() - 1).max(0)) * f64::from(cell);
+            for z in -reach..=reach {
+                for y in -reach..=reach {
+                    let place = |cells: i32| (cells + MAX_REACH as i32) as u32;
+                    let listed = rows.iter().filter(|row| (row.y, row.z) == (place(y), place(z))).count();
+                    let least = near(y).hypot(near(z));
+                    assert!(listed == 1 || (listed == 0 && least > 0.999), "{cell}: {y} {z} {listed}");
+                    assert!(listed == 0 || least < 1.01, "{cell}: {y} {z} is too far");
+                }
+            }
+        }
     }
 
     #[test]

@@ -9,13 +9,14 @@
 //!     .map(|i| Photon { position: [i as f32 * 0.001, 0.0, 0.0], power: [1e-3; 3], ..Photon::default() })
 //!     .collect();
 //! let device = Device::cpu();
-//! let map = PhotonMap::build(&device, &photons, &MapOptions { radius: 0.1, hash: Hash::Linear, table: None })?;
+//! let map = PhotonMap::build(&device, &photons, &MapOptions { radius: 0.1, hash: Hash::Linear, table: None, cell: None })?;
 //! let queries = [Query { position: [0.5, 0.0, 0.0], active: 1 }];
-//! let nearest = map.k_nearest(&device, &queries, 3, Gather::Heap)?;
+//! let nearest = map.k_nearest(&device, &queries, 3, Gather::Auto)?;
 //! assert_eq!(nearest[0].iter().map(|n| n.photon).collect::<Vec<_>>(), [500, 499, 501]);
 //! # Ok::<(), caustic_photon_map::MapError>(())
 //! ```
 
+mod crowding;
 mod error;
 mod grid;
 mod map;
@@ -23,7 +24,7 @@ mod options;
 mod sort;
 
 pub use error::MapError;
-pub use grid::{MAX_TABLE, bounds, plan_grid};
-pub use map::PhotonMap;
+pub use grid::{MAX_TABLE, RADII, bounds, plan_grid, rows};
+pub use map::{Neighbours, PhotonMap};
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use sort::{RadixSort, scan};

@@ -1,44 +1,56 @@
 //! The photon map: its construction and its search, as plans or at once.
 
-use crate::grid::{MAX_PHOTONS, bounds, plan_grid};
+use crate::grid::{MAX_PHOTONS, bounds, plan_grid, rows};
 use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, GatherParams};
-use caustic_kernels::grid::Grid;
-use caustic_kernels::layout::{Irradiance, Neighbour, Photon, Query};
+use caustic_kernels::grid::{GRID_BLOCK, Grid};
+use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
+use caustic_kernels::num::guard_for;
 
 /// A photon map on a device.
 pub struct PhotonMap {
     grid: Grid,
     grid_buffer: Buffer,
-    photons: Buffer,
-    order: Buffer,
-    starts: Buffer,
-    ends: Buffer,
+    rows: Buffer,
+    sites: Buffer,
+    arrivals: Buffer,
+    begins: Buffer,
+    power: Buffer,
+}
+
+/// Where a plan leaves the neighbours of queries.
+pub struct Neighbours {
+    /// k places a query, of [`Neighbour`]; those after its last are left as they were.
+    pub neighbours: Buffer,
+    /// How many each query has, or [`CUT_SHORT`].
+    pub counts: Buffer,
 }
 
 impl PhotonMap {
-    /// Appends the construction of a map over the photons in `unsorted` to a plan: hash, sort, ranges, reorder. The map can be
+    /// Appends the construction of a map over the photons in `unsorted` to a plan: hash, sort, begins, reorder. The map can be
     /// used by the stages that follow.
     ///
     /// # Errors
     /// [`MapError::Device`].
     pub fn plan(device: &Device, plan: &mut Plan, unsorted: &Buffer, grid: Grid) -> Result<Self, MapError> {
         let count = grid.photons;
+        let blocks = count.div_ceil(GRID_BLOCK);
         let grid_buffer = device.upload("map: grid", &[grid])?;
+        let rows = device.upload("map: rows", &rows(&grid))?;
         let keys = device.buffer::<u32>("sort: keys", u64::from(count))?;
-        plan.each(Kernel::HashPhotons, count, &[&grid_buffer, unsorted, &keys]);
-        let bits = u32::BITS - (grid.table - 1).leading_zeros();
-        let sorted = RadixSort::plan(device, plan, &keys, count, bits)?;
-        let starts = device.buffer::<u32>("map: cell starts", u64::from(grid.table))?;
-        let ends = device.buffer::<u32>("map: cell ends", u64::from(grid.table))?;
-        plan.clear(&starts);
-        plan.clear(&ends);
-        plan.each(Kernel::CellRanges, count, &[&grid_buffer, &sorted.keys, &starts, &ends]);
-        let photons = device.buffer::<Photon>("map: photons", u64::from(count))?;
-        plan.each(Kernel::ReorderPhotons, count, &[&grid_buffer, &sorted.order, unsorted, &photons]);
-        Ok(Self { grid, grid_buffer, photons, order: sorted.order, starts, ends })
+        let powers = device.buffer::<u32>("map: powers", u64::from(blocks))?;
+        plan.groups(Kernel::HashPhotons, blocks, &[&grid_buffer, unsorted, &keys, &powers]);
+        let sorted = RadixSort::plan(device, plan, &keys, count, key_bits(&grid))?;
+        let begins = device.buffer::<u32>("map: cell begins", u64::from(grid.table) + 1)?;
+        let power = device.buffer::<u32>("map: power", 1)?;
+        let entries = (grid.table + 1).div_ceil(GRID_BLOCK);
+        plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
+        let sites = device.buffer::<Site>("map: sites", u64::from(count))?;
+        let arrivals = device.buffer::<Arrival>("map: arrivals", u64::from(count))?;
+        plan.each(Kernel::ReorderPhotons, count, &[&grid_buffer, &sorted.order, unsorted, &sites, &arrivals]);
+        Ok(Self { grid, grid_buffer, rows, sites, arrivals, begins, power })
     }
 
     /// Builds a map of `photons`.
@@ -51,7 +63,8 @@ impl PhotonMap {
         if let Some(first) = photons.iter().position(|photon| bad(&photon)) {
             return Err(MapError::Power { count: photons.iter().filter(bad).count(), first });
         }
-        let grid = plan_grid(low, high, photons.len() as u64, options)?;
+        let sample = sample(photons);
+        let grid = plan_grid(low, high, photons.len() as u64, &sample, options)?;
         let unsorted = device.upload("photons", photons)?;
         let mut plan = Plan::new();
         let map = Self::plan(device, &mut plan, &unsorted, grid)?;
@@ -65,10 +78,10 @@ impl PhotonMap {
         &self.grid
     }
 
-    /// The map's buffers: photons in sorted order, the index that each had before, and where each table entry begins and ends.
+    /// The map's buffers: sites and arrivals in sorted order, and where each table entry begins.
     #[must_use]
-    pub fn buffers(&self) -> [&Buffer; 4] {
-        [&self.photons, &self.order, &self.starts, &self.ends]
+    pub fn buffers(&self) -> [&Buffer; 3] {
+        [&self.sites, &self.arrivals, &self.begins]
     }
 
     /// Bytes that the map takes on its device.
@@ -92,14 +105,88 @@ impl PhotonMap {
         gather: Gather,
         out: &Buffer,
     ) -> Result<(), MapError> {
-        let kernel = irradiance_kernel(gather, k, device.is_software_gpu())?;
-        let params = device.upload("gather: params", &[GatherParams { queries: count, k }])?;
-        plan.each(
-            kernel,
-            count,
-            &[&params, &self.grid_buffer, queries, &self.photons, &self.order, &self.starts, &self.ends, out],
-        );
+        let kernel = irradiance_kernel(gather, k)?;
+        let search = self.plan_search(device, plan, queries, count, k, k + 1)?;
+        plan.each(kernel, count, &self.estimate(&search, queries, out));
         Ok(())
+    }
+
+    /// Appends the estimate of `count` queries from all photons within the map's radius to a plan, into records of
+    /// [`Irradiance`].
+    ///
+    /// # Errors
+    /// [`MapError::Device`].
+    pub fn plan_density(
+        &self,
+        device: &Device,
+        plan: &mut Plan,
+        queries: &Buffer,
+        count: u32,
+        out: &Buffer,
+    ) -> Result<(), MapError> {
+        let search = self.plan_search(device, plan, queries, count, 0, 1)?;
+        plan.each(Kernel::IrradianceDensity, count, &self.estimate(&search, queries, out));
+        Ok(())
+    }
+
+    /// Appends the search for the `k` nearest photons of `count` queries to a plan.
+    ///
+    /// # Errors
+    /// [`MapError::K`], [`MapError::TooMany`] and [`MapError::Device`].
+    pub fn plan_neighbours(
+        &self,
+        device: &Device,
+        plan: &mut Plan,
+        queries: &Buffer,
+        count: u32,
+        k: u32,
+        gather: Gather,
+    ) -> Result<Neighbours, MapError> {
+        let kernel = neighbours_kernel(gather, k)?;
+        let rows = u64::from(count) * u64::from(k);
+        if rows > u64::from(u32::MAX) {
+            return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
+        }
+        let Search { params, order } = self.plan_search(device, plan, queries, count, k, k)?;
+        let neighbours = device.buffer::<Neighbour>("neighbours", rows)?;
+        let counts = device.buffer::<u32>("neighbour counts", u64::from(count))?;
+        let search = [&params, &self.grid_buffer, &self.rows, queries, &order, &self.sites, &self.begins];
+        let [params, ..] = search;
+        if kernel == Kernel::NeighboursHistogram {
+            let unordered = device.buffer::<Neighbour>("neighbours, unordered", rows)?;
+            let windows = device.buffer::<u32>("neighbour windows", 2 * u64::from(count))?;
+            plan.each(kernel, count, &[&search[..], &[&unordered, &counts, &windows]].concat());
+            let all = rows as u32;
+            plan.each(Kernel::OrderNeighbours, all, &[params, &counts, &windows, &unordered, &neighbours]);
+        } else {
+            plan.each(kernel, count, &[&search[..], &[&neighbours, &counts]].concat());
+        }
+        Ok(Neighbours { neighbours, counts })
+    }
+
+    /// Puts queries in the order of their cells.
+    fn plan_search(
+        &self,
+        device: &Device,
+        plan: &mut Plan,
+        queries: &Buffer,
+        count: u32,
+        k: u32,
+        wanted: u32,
+    ) -> Result<Search, MapError> {
+        let guard = guard_for(self.grid.photons);
+        let params = device.upload("gather: params", &[GatherParams { queries: count, k, guess: guess(wanted), guard }])?;
+        let keys = device.buffer::<u32>("sort: query keys", u64::from(count))?;
+        plan.each(Kernel::HashQueries, count, &[&params, &self.grid_buffer, queries, &keys]);
+        let order = RadixSort::plan(device, plan, &keys, count, key_bits(&self.grid))?.order;
+        Ok(Search { params, order })
+    }
+
+    /// The buffers of an estimate.
+    fn estimate<'a>(&'a self, search: &'a Search, queries: &'a Buffer, out: &'a Buffer) -> [&'a Buffer; 10] {
+        let Search { params, order } = search;
+        let Self { grid_buffer, rows, sites, arrivals, begins, power, .. } = self;
+        [params, grid_buffer, rows, queries, order, sites, arrivals, begins, power, out]
     }
 
     /// The irradiance at each query, estimated from `k` photons.
@@ -113,15 +200,19 @@ impl PhotonMap {
         k: u32,
         gather: Gather,
     ) -> Result<Vec<Irradiance>, MapError> {
-        let count = query_count(queries)?;
-        let query_buffer = device.upload("queries", queries)?;
-        let out = device.buffer::<Irradiance>("irradiance", u64::from(count))?;
-        let mut plan = Plan::new();
-        self.plan_irradiance(device, &mut plan, &query_buffer, count, k, gather, &out)?;
-        device.run(&plan)?;
-        let estimates: Vec<Irradiance> = device.read(&out, u64::from(count))?;
-        whole(device, estimates.iter().map(|estimate| estimate.photons))?;
-        Ok(estimates)
+        estimates(device, queries, |plan, query_buffer, count, out| {
+            self.plan_irradiance(device, plan, query_buffer, count, k, gather, out)
+        })
+    }
+
+    /// The irradiance at each query, estimated from all photons within the map's radius.
+    ///
+    /// # Errors
+    /// [`MapError::NotFinite`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
+    pub fn density(&self, device: &Device, queries: &[Query]) -> Result<Vec<Irradiance>, MapError> {
+        estimates(device, queries, |plan, query_buffer, count, out| {
+            self.plan_density(device, plan, query_buffer, count, out)
+        })
     }
 
     /// The `k` nearest photons of each query within the map's radius, nearest first, ties by index.
@@ -135,33 +226,61 @@ impl PhotonMap {
         k: u32,
         gather: Gather,
     ) -> Result<Vec<Vec<Neighbour>>, MapError> {
-        let kernel = neighbours_kernel(gather, k)?;
+        neighbours_kernel(gather, k)?;
         let count = query_count(queries)?;
-        let rows = u64::from(count) * u64::from(k);
-        if rows > u64::from(u32::MAX) {
-            return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
-        }
         let query_buffer = device.upload("queries", queries)?;
-        let params = device.upload("gather: params", &[GatherParams { queries: count, k }])?;
-        let neighbours = device.buffer::<Neighbour>("neighbours", rows)?;
-        let counts = device.buffer::<u32>("neighbour counts", u64::from(count))?;
         let mut plan = Plan::new();
-        let [photons, order, starts, ends] = self.buffers();
-        plan.each(
-            kernel,
-            count,
-            &[&params, &self.grid_buffer, &query_buffer, photons, order, starts, ends, &neighbours, &counts],
-        );
+        let found = self.plan_neighbours(device, &mut plan, &query_buffer, count, k, gather)?;
         device.run(&plan)?;
-        let counts: Vec<u32> = device.read(&counts, u64::from(count))?;
+        let counts: Vec<u32> = device.read(&found.counts, u64::from(count))?;
         whole(device, counts.iter().copied())?;
-        let neighbours: Vec<Neighbour> = device.read(&neighbours, rows)?;
+        let neighbours: Vec<Neighbour> = device.read(&found.neighbours, u64::from(count) * u64::from(k))?;
         Ok(counts
             .iter()
             .zip(neighbours.chunks(k as usize))
             .map(|(&found, row)| row[..found as usize].to_vec())
             .collect())
     }
+}
+
+/// Queries in the order in which they are searched.
+struct Search {
+    params: Buffer,
+    order: Buffer,
+}
+
+/// Bits of the table entries.
+fn key_bits(grid: &Grid) -> u32 {
+    u32::BITS - (grid.table - 1).leading_zeros()
+}
+
+/// [`GatherParams::guess`] for so many wanted photons. Their number in a ball varies by its root: two and a half of it on top
+/// make nearly every guess hold enough.
+fn guess(wanted: u32) -> f32 {
+    let wanted = f64::from(wanted);
+    ((wanted + 2.5 * wanted.sqrt()) / (4.0 / 3.0 * std::f64::consts::PI)).powf(2.0 / 3.0) as f32
+}
+
+/// Positions of some photons, evenly from all.
+fn sample(photons: &[Photon]) -> Vec<[f32; 3]> {
+    photons.iter().step_by(photons.len().div_ceil(4096).max(1)).map(|photon| photon.position).collect()
+}
+
+/// Runs an estimate for queries of the host.
+fn estimates(
+    device: &Device,
+    queries: &[Query],
+    plan_estimate: impl FnOnce(&mut Plan, &Buffer, u32, &Buffer) -> Result<(), MapError>,
+) -> Result<Vec<Irradiance>, MapError> {
+    let count = query_count(queries)?;
+    let query_buffer = device.upload("queries", queries)?;
+    let out = device.buffer::<Irradiance>("irradiance", u64::from(count))?;
+    let mut plan = Plan::new();
+    plan_estimate(&mut plan, &query_buffer, count, &out)?;
+    device.run(&plan)?;
+    let estimates: Vec<Irradiance> = device.read(&out, u64::from(count))?;
+    whole(device, estimates.iter().map(|estimate| estimate.photons))?;
+    Ok(estimates)
 }
 
 /// Refuses results of searches that the device ended early.
@@ -190,7 +309,7 @@ mod tests {
     fn powers_that_photons_cannot_have_are_counted_and_the_first_is_named() {
         let with = |power: f32| Photon { power: [1.0, power, 0.0], ..Photon::default() };
         let photons = [with(0.0), with(f32::NAN), with(2.0), with(-1.0), with(f32::INFINITY)];
-        let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None };
+        let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None, cell: None };
         let error = PhotonMap::build(&Device::cpu(), &photons, &options).err();
         assert!(matches!(error, Some(MapError::Power { count: 3, first: 1 })), "{error:?}");
     }

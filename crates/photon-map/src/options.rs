@@ -23,11 +23,10 @@ pub enum Hash {
 /// How the nearest photons are found. All give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
-    /// The heap, and on a software GPU the histogram: it is faster there, and keeps within the steps that llvmpipe allows.
+    /// The fastest.
     #[default]
     Auto,
-    /// By counting distances, without a container. It serves estimates; where the neighbours themselves are asked for, the heap
-    /// stands in for it.
+    /// By counting distances, without a container.
     Histogram,
     /// A max-heap in a fixed-size array (thesis, section 5.6).
     Heap,
@@ -50,13 +49,16 @@ impl Hash {
 /// How to build a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapOptions {
-    /// Largest query radius, m; also the size of a cell.
+    /// Largest query radius, m.
     pub radius: f32,
     /// The hash function.
     pub hash: Hash,
     /// Entries of the table of [`Hash::Teschner`] and [`Hash::Morton`], a power of two; chosen from the number of photons if
     /// not given.
     pub table: Option<u32>,
+    /// Width of a cell, m, or more where there would be too many; chosen from how the photons crowd if not given. Results do not
+    /// depend on it.
+    pub cell: Option<f32>,
 }
 
 /// The compiled capacity that serves a request for `k` candidates: the smallest that holds them.
@@ -69,17 +71,12 @@ pub fn capacity(k: u32) -> Result<u32, MapError> {
 }
 
 /// The kernel that estimates irradiance from `k` photons.
-pub(crate) fn irradiance_kernel(gather: Gather, k: u32, software: bool) -> Result<Kernel, MapError> {
+pub(crate) fn irradiance_kernel(gather: Gather, k: u32) -> Result<Kernel, MapError> {
     if k == 0 || k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
-    let gather = match gather {
-        Gather::Auto if software => Gather::Histogram,
-        Gather::Auto => Gather::Heap,
-        chosen => chosen,
-    };
     Ok(match (gather, capacity(k + 1)?) {
-        (Gather::Histogram, _) => Kernel::IrradianceHistogram,
+        (Gather::Histogram | Gather::Auto, _) => Kernel::IrradianceHistogram,
         (Gather::Heap, 17) => Kernel::IrradianceHeap17,
         (Gather::Heap, 65) => Kernel::IrradianceHeap65,
         (Gather::Heap, 257) => Kernel::IrradianceHeap257,
@@ -96,8 +93,8 @@ pub(crate) fn neighbours_kernel(gather: Gather, k: u32) -> Result<Kernel, MapErr
     if k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
-    let container = if gather == Gather::List { Gather::List } else { Gather::Heap };
-    Ok(match (container, capacity(k)?) {
+    Ok(match (gather, capacity(k)?) {
+        (Gather::Histogram | Gather::Auto, _) => Kernel::NeighboursHistogram,
         (Gather::Heap, 17) => Kernel::NeighboursHeap17,
         (Gather::Heap, 65) => Kernel::NeighboursHeap65,
         (Gather::Heap, 257) => Kernel::NeighboursHeap257,

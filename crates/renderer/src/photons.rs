@@ -11,6 +11,8 @@ use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
 const CHUNK: u32 = 1 << 20;
+/// Photons that are looked at to choose the width of cells.
+const SAMPLE: u64 = 4096;
 /// Most photons of a map.
 const MAX_STORED: u32 = 1 << 30;
 
@@ -135,8 +137,6 @@ pub(crate) fn photon_map(
     report.photons_stored = stored as u32;
 
     let (low, high) = scene.diffuse_bounds;
-    let options = MapOptions { radius: settings.radius, hash: settings.hash, table: None };
-    let grid = plan_grid(low, high, stored, &options)?;
     let unsorted = device.buffer::<Photon>("photons", stored)?;
     for (i, pass) in chunks.iter().enumerate() {
         tick(chunks.len() + i)?;
@@ -150,6 +150,11 @@ pub(crate) fn photon_map(
         );
         device.run(&plan)?;
     }
+    // Paths are independent, so the first photons are as good a sample as any.
+    let first: Vec<Photon> = device.read(&unsorted, stored.min(SAMPLE))?;
+    let positions: Vec<[f32; 3]> = first.iter().map(|photon| photon.position).collect();
+    let options = MapOptions { radius: settings.radius, hash: settings.hash, table: None, cell: None };
+    let grid = plan_grid(low, high, stored, &positions, &options)?;
     let mut plan = Plan::new();
     plan.scope(kind.map);
     let map = PhotonMap::plan(device, &mut plan, &unsorted, grid)?;

@@ -4,7 +4,7 @@ use crate::RenderError;
 use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL};
-use caustic_photon_map::{Gather, Hash};
+use caustic_photon_map::{Gather, Hash, RADII};
 
 /// Which part of the light is rendered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -107,11 +107,11 @@ impl Settings {
         whole("caustic-photons", self.caustic_photons, 0, MAX_PHOTONS)?;
         whole("k", self.k, 1, MAX_K)?;
         whole("spp", self.spp, 1, MAX_SPP)?;
-        if !(1e-18..=1e18).contains(&self.radius) {
+        if !RADII.contains(&self.radius) {
             return Err(RenderError::Setting {
                 name: "radius",
                 value: self.radius.to_string(),
-                range: "a number of metres from 1e-18 to 1e18".to_string(),
+                range: "a number of metres from 1e-9 to 1e18".to_string(),
             });
         }
         Ok(())

@@ -219,7 +219,7 @@ fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
         .collect();
     let mut queries: Vec<Query> = (0..QUERIES).map(|i| Query { position: place(i, 4), active: 1 }).collect();
     queries[1].active = 0;
-    let map = PhotonMap::build(twin, &photons, &MapOptions { radius: 0.35, hash, table: None })?;
+    let map = PhotonMap::build(twin, &photons, &MapOptions { radius: 0.35, hash, table: None, cell: None })?;
     for k in KS {
         for gather in [Gather::Histogram, Gather::Heap, Gather::List] {
             map.irradiance(twin, &queries, k, gather)?;

@@ -55,6 +55,24 @@ impl Groups {
         });
     }
 
+    /// Calls `body` for every invocation, with its lane and its workgroup's shared memory.
+    pub(crate) fn columns<S: Pod + Send>(&self, lanes: u32, body: impl Fn(u32, u32, &mut S) + Sync) {
+        let order = self.order.lanes(lanes);
+        let rubbish = matches!(self.order, LaneOrder::Shuffled(_));
+        (0..self.count).into_par_iter().for_each_init(
+            || vec![S::zeroed(); 1],
+            |shared, i| {
+                if rubbish {
+                    bytemuck::cast_slice_mut::<S, u8>(shared).fill(0xa5);
+                }
+                let first = self.group(i) * lanes;
+                for &lane in &order {
+                    body(first + lane, lane, &mut shared[0]);
+                }
+            },
+        );
+    }
+
     /// Lanes of a subgroup, if workgroups are to have as many lanes as on a GPU.
     pub(crate) fn subgroup_lanes(&self) -> Option<u32> {
         match self.order {

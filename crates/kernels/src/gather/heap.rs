@@ -1,7 +1,7 @@
 //! A max-heap in a fixed-size array: the data structure that the thesis proposes in section 5.6 in place of its list.
 
 use super::{Candidates, Selection, before};
-use crate::layout::Photon;
+use crate::layout::Site;
 
 /// The `k ≤ N` first candidates, the last of them on top (Cormen, Leiserson and Rivest, chapter 6).
 pub struct Heap<const N: usize> {
@@ -28,7 +28,7 @@ impl<const N: usize> Heap<N> {
 
     /// Lets (`distance2`, `slot`) sink from `hole` through a heap of `len` elements.
     #[inline]
-    fn sift_down(&mut self, mut hole: u32, len: u32, distance2: f32, slot: u32, order: &[u32]) {
+    fn sift_down(&mut self, mut hole: u32, len: u32, distance2: f32, slot: u32, sites: &[Site]) {
         let mut child = 2 * hole + 1;
         while child < len {
             let right = child + 1;
@@ -38,14 +38,14 @@ impl<const N: usize> Heap<N> {
                     self.slots[child as usize],
                     self.distances2[right as usize],
                     self.slots[right as usize],
-                    order,
+                    sites,
                 )
             {
                 child = right;
             }
             let d = self.distances2[child as usize];
             let s = self.slots[child as usize];
-            if before(distance2, slot, d, s, order) {
+            if before(distance2, slot, d, s, sites) {
                 self.put(hole, d, s);
                 hole = child;
                 child = 2 * hole + 1;
@@ -58,12 +58,12 @@ impl<const N: usize> Heap<N> {
 
     /// Makes a heap of the elements in any order (Floyd 1964).
     #[inline]
-    fn heapify(&mut self, order: &[u32]) {
+    fn heapify(&mut self, sites: &[Site]) {
         let mut root = self.len / 2;
         while root > 0 {
             root -= 1;
             let (d, s) = (self.distances2[root as usize], self.slots[root as usize]);
-            self.sift_down(root, self.len, d, s, order);
+            self.sift_down(root, self.len, d, s, sites);
         }
     }
 }
@@ -74,24 +74,24 @@ impl<const N: usize> Default for Heap<N> {
     }
 }
 
-impl<const N: usize> Candidates for Heap<N> {
+impl<M: ?Sized, A: ?Sized, O: ?Sized, const N: usize> Candidates<M, A, O> for Heap<N> {
     #[inline]
     fn bound(&self) -> f32 {
         self.bound
     }
 
     #[inline]
-    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32], _photons: &[Photon]) {
+    fn offer(&mut self, _memory: &mut M, _output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
         if self.len < self.k {
             // Until it is full nothing is rejected, and no order is needed.
             self.put(self.len, distance2, slot);
             self.len += 1;
             if self.len == self.k {
-                self.heapify(order);
+                self.heapify(sites);
                 self.bound = self.distances2[0];
             }
-        } else if before(distance2, slot, self.distances2[0], self.slots[0], order) {
-            self.sift_down(0, self.k, distance2, slot, order);
+        } else if before(distance2, slot, self.distances2[0], self.slots[0], sites) {
+            self.sift_down(0, self.k, distance2, slot, sites);
             self.bound = self.distances2[0];
         }
     }
@@ -106,9 +106,9 @@ impl<const N: usize> Selection for Heap<N> {
     }
 
     #[inline]
-    fn sort(&mut self, order: &[u32]) {
+    fn sort(&mut self, sites: &[Site]) {
         if self.len < self.k {
-            self.heapify(order);
+            self.heapify(sites);
         }
         // Heapsort: the last in order leaves the heap first and takes the last place.
         let mut len = self.len;
@@ -116,7 +116,7 @@ impl<const N: usize> Selection for Heap<N> {
             len -= 1;
             let (d, s) = (self.distances2[len as usize], self.slots[len as usize]);
             let (top_d, top_s) = (self.distances2[0], self.slots[0]);
-            self.sift_down(0, len, d, s, order);
+            self.sift_down(0, len, d, s, sites);
             self.put(len, top_d, top_s);
         }
     }

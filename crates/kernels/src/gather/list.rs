@@ -1,7 +1,7 @@
 //! The sorted list with which the thesis collects photons (section 3.1.3).
 
 use super::{Candidates, Selection, before};
-use crate::layout::Photon;
+use crate::layout::Site;
 
 /// The `k ≤ N` first candidates in order. A nearer photon is inserted where it belongs and the later ones move back one
 /// place; the last is lost when the list is full.
@@ -28,19 +28,19 @@ impl<const N: usize> Default for SortedList<N> {
     }
 }
 
-impl<const N: usize> Candidates for SortedList<N> {
+impl<M: ?Sized, A: ?Sized, O: ?Sized, const N: usize> Candidates<M, A, O> for SortedList<N> {
     #[inline]
     fn bound(&self) -> f32 {
         self.bound
     }
 
     #[inline]
-    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32], _photons: &[Photon]) {
+    fn offer(&mut self, _memory: &mut M, _output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
         let mut place = self.len;
         if self.len == self.k {
             place = self.len - 1;
             let last = place as usize;
-            if !before(distance2, slot, self.distances2[last], self.slots[last], order) {
+            if !before(distance2, slot, self.distances2[last], self.slots[last], sites) {
                 return;
             }
         } else {
@@ -49,7 +49,7 @@ impl<const N: usize> Candidates for SortedList<N> {
         let mut shifting = place > 0;
         while shifting {
             let previous = (place - 1) as usize;
-            if before(distance2, slot, self.distances2[previous], self.slots[previous], order) {
+            if before(distance2, slot, self.distances2[previous], self.slots[previous], sites) {
                 self.distances2[place as usize] = self.distances2[previous];
                 self.slots[place as usize] = self.slots[previous];
                 place -= 1;
@@ -75,7 +75,7 @@ impl<const N: usize> Selection for SortedList<N> {
     }
 
     #[inline]
-    fn sort(&mut self, _order: &[u32]) {}
+    fn sort(&mut self, _sites: &[Site]) {}
 
     #[inline]
     fn last(&self) -> u32 {

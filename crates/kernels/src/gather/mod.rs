@@ -4,19 +4,24 @@
 //! nearest" is one set, whatever the hash, the device or the container that collects it; and what is summed over it is
 //! summed exactly ([`Sum`](crate::num::Sum)), so that the order in which a container holds it does not show.
 
+mod counting;
+mod density;
 mod estimate;
 mod heap;
-mod histogram;
 mod list;
+mod neighbours;
+mod power;
 mod search;
 
+pub use counting::{COLUMN_LANES, Columns, gather_irradiance_by_counting};
+pub use density::gather_density;
 pub use estimate::{gather_irradiance, gather_neighbours};
 pub use heap::Heap;
-pub use histogram::gather_irradiance_by_counting;
 pub use list::SortedList;
-pub use search::{distance2, search};
+pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
+pub use search::{distance2, root_above, search};
 
-use crate::layout::Photon;
+use crate::layout::Site;
 use bytemuck::{Pod, Zeroable};
 
 /// Lanes of a gathering workgroup.
@@ -33,31 +38,36 @@ pub struct GatherParams {
     pub queries: u32,
     /// Neighbours sought a query, k.
     pub k: u32,
+    /// (v / (4π/3))^(2/3) of the number v of photons that a search counts on to find enough: what guesses its first radius.
+    pub guess: f32,
+    /// Guard bits of sums whose number of terms is not bounded by k: [`guard_for`](crate::num::guard_for).
+    pub guard: u32,
 }
 
-/// What a search does with the candidates it meets.
-pub trait Candidates {
-    /// Whether an offer is a few instructions, so that the search repeats it eight times a turn of its innermost loop: that is
-    /// faster, and llvmpipe, which ends loops after 65,535 turns, comes eight times as far.
+/// What a search does with the candidates it meets. `M` is memory of the lane that does not fit registers, `A` what is known of
+/// photons beside their sites, `O` where results go.
+pub trait Candidates<M: ?Sized, A: ?Sized, O: ?Sized> {
+    /// Whether an offer is a few instructions, so that the search repeats it four times a turn of its innermost loop: that is
+    /// faster, and llvmpipe, which ends loops after 65,535 turns, comes four times as far.
     const SHORT: bool = false;
     /// Squared distance beyond which a candidate does not matter, m².
     fn bound(&self) -> f32;
-    /// Offers candidate `slot`, an index into the sorted `photons`, whose original indices are `order`.
-    fn offer(&mut self, distance2: f32, slot: u32, order: &[u32], photons: &[Photon]);
-    /// Lowers the bound, if that takes more work than one candidate is worth: called between cells.
+    /// Offers candidate `slot`, an index into the sorted `sites` and `arrivals`.
+    fn offer(&mut self, memory: &mut M, output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &A);
+    /// Lowers the bound, if that takes more work than one candidate is worth: called between rows.
     #[inline]
-    fn settle(&mut self) {}
+    fn settle(&mut self, _memory: &mut M) {}
 }
 
 /// Result in place of a number of photons where the device ended a search before its end: what was found is not the answer.
 pub const CUT_SHORT: u32 = 0xffff_ffff;
 
-/// A container that keeps the best of the candidates it is offered.
-pub trait Selection: Candidates {
+/// A container that keeps the best of the candidates it is offered: also [`Candidates`], of any memory.
+pub trait Selection {
     /// Empties it and sets what it keeps: the `k` first in order among those at most `radius2` (m²) away.
     fn reset(&mut self, k: u32, radius2: f32);
     /// Puts what was kept in order, nearest first.
-    fn sort(&mut self, order: &[u32]);
+    fn sort(&mut self, sites: &[Site]);
     /// Where, before it is sorted, a full container has what is last in order.
     fn last(&self) -> u32;
     /// How many were kept.
@@ -70,9 +80,9 @@ pub trait Selection: Candidates {
 
 /// Whether a candidate comes before another in the order of neighbours.
 #[inline]
-fn before(distance2: f32, slot: u32, other_distance2: f32, other_slot: u32, order: &[u32]) -> bool {
+fn before(distance2: f32, slot: u32, other_distance2: f32, other_slot: u32, sites: &[Site]) -> bool {
     if distance2 == other_distance2 {
-        order[slot as usize] < order[other_slot as usize]
+        sites[slot as usize].photon < sites[other_slot as usize].photon
     } else {
         distance2 < other_distance2
     }
@@ -81,25 +91,25 @@ fn before(distance2: f32, slot: u32, other_distance2: f32, other_slot: u32, orde
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::{Grid, HASH_TESCHNER};
-    use crate::layout::{Irradiance, Photon, Query};
+    use crate::grid::{Grid, HASH_TESCHNER, MAX_REACH, Row};
+    use crate::layout::{Arrival, Irradiance, Query};
     use crate::num::pcg4d;
     use std::vec;
     use std::vec::Vec;
 
     const OFFERS: u32 = 300;
 
-    /// What a container keeps of 300 offers with many equal distances, whose slots `order` puts in another order.
-    fn kept(mut selection: impl Selection, k: u32, seed: u32) -> Vec<(u32, u32)> {
-        let (distances, order) = offers(seed);
+    /// What a container keeps of 300 offers with many equal distances, whose slots `sites` puts in another order.
+    fn kept(mut selection: impl Selection + Candidates<(), (), ()>, k: u32, seed: u32) -> Vec<(u32, u32)> {
+        let (distances, sites) = offers(seed);
         selection.reset(k, 100.0);
         let mut bound = selection.bound();
         let mut seen = vec![];
         for slot in 0..OFFERS {
             let d2 = distances[slot as usize];
             if d2 <= selection.bound() {
-                selection.offer(d2, slot, &order, &[]);
-                seen.push((d2.to_bits(), order[slot as usize], slot));
+                selection.offer(&mut (), &mut (), d2, slot, &sites, &());
+                seen.push((d2.to_bits(), sites[slot as usize].photon, slot));
                 seen.sort_unstable();
                 seen.truncate(k as usize);
             }
@@ -109,25 +119,35 @@ mod tests {
             assert!(selection.bound() <= bound, "a bound never grows");
             bound = selection.bound();
         }
-        selection.sort(&order);
+        selection.sort(&sites);
         (0..selection.count()).map(|i| (selection.distance2(i).to_bits(), selection.slot(i))).collect()
     }
 
-    fn offers(seed: u32) -> (Vec<f32>, Vec<u32>) {
+    fn site(photon: u32) -> Site {
+        Site { photon, ..Site::default() }
+    }
+
+    fn offers(seed: u32) -> (Vec<f32>, Vec<Site>) {
         let distances = (0..OFFERS).map(|i| (pcg4d([seed, i, 0, 0])[0] % 40) as f32 * 2.6).collect();
         // 7 and 300 have no common factor: a permutation.
-        (distances, (0..OFFERS).map(|i| (i * 7 + seed) % OFFERS).collect())
+        (distances, (0..OFFERS).map(|i| site((i * 7 + seed) % OFFERS)).collect())
+    }
+
+    /// All rows that cells as wide as the radius need, nearest first enough.
+    fn rows() -> Vec<Row> {
+        let offsets = [0, 1, -1, 2, -2].map(|n: i32| (n + MAX_REACH as i32) as u32);
+        offsets.iter().flat_map(|&z| offsets.map(|y| Row { y, z, least2: 0.0 })).collect()
     }
 
     #[test]
     fn heap_and_list_keep_the_first_k_in_order() {
         for seed in 0..20 {
-            let (distances, order) = offers(seed);
+            let (distances, sites) = offers(seed);
             let mut expected: Vec<(u32, u32)> =
                 (0..OFFERS).map(|slot| (distances[slot as usize].to_bits(), slot)).collect();
             expected.retain(|&(d2, _)| f32::from_bits(d2) <= 100.0);
             // Bits of positive floats are in the order of the floats.
-            expected.sort_by_key(|&(d2, slot)| (d2, order[slot as usize]));
+            expected.sort_by_key(|&(d2, slot)| (d2, sites[slot as usize].photon));
             assert!(expected.len() < OFFERS as usize, "nothing lies outside the radius");
             for k in [1, 2, 3, 16, 17, 64, 299, 300] {
                 let first = &expected[..expected.len().min(k as usize)];
@@ -150,17 +170,19 @@ mod tests {
 
     #[test]
     fn a_container_that_is_reset_has_forgotten() {
-        let order = [0, 1, 2];
+        let sites = [0, 1, 2].map(site);
         let mut heap = Heap::<4>::new();
+        let offer = |heap: &mut Heap<4>, d2, slot| heap.offer(&mut (), &mut (), d2, slot, &sites, &());
+        let bound = |heap: &Heap<4>| Candidates::<(), (), ()>::bound(heap);
         heap.reset(2, 9.0);
-        heap.offer(1.0, 0, &order, &[]);
-        heap.offer(2.0, 1, &order, &[]);
-        assert_eq!((heap.count(), heap.bound()), (2, 2.0));
+        offer(&mut heap, 1.0, 0);
+        offer(&mut heap, 2.0, 1);
+        assert_eq!((heap.count(), bound(&heap)), (2, 2.0));
         heap.reset(3, 5.0);
-        assert_eq!((heap.count(), heap.bound()), (0, 5.0));
-        heap.offer(3.0, 2, &order, &[]);
-        heap.sort(&order);
-        assert_eq!((heap.count(), heap.distance2(0), heap.slot(0), heap.bound()), (1, 3.0, 2, 5.0));
+        assert_eq!((heap.count(), bound(&heap)), (0, 5.0));
+        offer(&mut heap, 3.0, 2);
+        heap.sort(&sites);
+        assert_eq!((heap.count(), heap.distance2(0), heap.slot(0), bound(&heap)), (1, 3.0, 2, 5.0));
     }
 
     #[test]
@@ -171,24 +193,64 @@ mod tests {
             let (a, b) = ([random[0], random[1], random[2]], [random[3], random[0], random[1]]);
             assert_eq!(distance2(a, b).to_bits(), distance2(b, a).to_bits());
         }
-        assert_eq!(distance2([1e-20, 0.0, 0.0], [0.0; 3]).to_bits(), 0);
+        for tiny in [1e-30, 1e-20, 7e-12] {
+            assert_eq!(distance2([tiny, 0.0, 0.0], [0.0; 3]).to_bits(), 0);
+        }
+        assert_eq!(distance2([8e-12, 0.0, 0.0], [0.0; 3]), 8e-12 * 8e-12);
         assert_eq!(distance2([f32::MAX; 3], [f32::MIN; 3]), f32::INFINITY);
+    }
+
+    /// Flushing products that are subnormal changes no squared distance.
+    #[test]
+    fn a_device_without_subnormals_has_the_same_distances() {
+        let flush = |x: f32| if x.abs() < f32::MIN_POSITIVE { 0.0 } else { x };
+        let mut flushed = 0;
+        for i in 0..100_000u32 {
+            let random = pcg4d([i, 8, 8, 8]);
+            // Differences of 2⁻³⁶ … 2⁻⁶⁷, whose squares lie on both sides of 2⁻¹²⁶ and of the least squared distance.
+            let d: [f32; 3] = core::array::from_fn(|axis| {
+                f32::from_bits(((127 - 36 - random[axis] % 32) << 23) | (random[3] >> axis) & 0x007f_ffff)
+            });
+            let squares = d.map(|d| flush(d * d));
+            flushed += u32::from(d.iter().zip(squares).any(|(d, square)| d * d != square));
+            let sum = flush(flush(squares[0] + squares[1]) + squares[2]);
+            let expected = if sum < 2f32.powi(-74) { 0.0 } else { sum };
+            assert_eq!(distance2(d, [0.0; 3]).to_bits(), expected.to_bits(), "{d:?}");
+        }
+        assert!(flushed > 10_000);
+    }
+
+    #[test]
+    fn a_root_above_is_above_and_near() {
+        for i in 0..1_000_000u32 {
+            let x = f32::from_bits(0x0100_0000 + i * 2100);
+            let (root, above) = (f64::from(x).sqrt(), f64::from(root_above(x)));
+            assert!(above >= root && above <= 1.09 * root, "{x}: {root} {above}");
+        }
+        assert!(root_above(0.0) >= 0.0 && root_above(0.0) < 1e-18);
     }
 
     #[test]
     fn cells_that_share_an_entry_give_each_photon_once() {
-        // A table of one entry: all 27 cells lead to all photons.
-        let photons: Vec<_> = (0..40u32)
-            .map(|i| Photon { position: [(i % 4) as f32, (i / 4 % 4) as f32, (i / 16) as f32], ..Photon::default() })
-            .collect();
-        let order: Vec<u32> = (0..40).collect();
-        let cells = [6, 6, 5];
-        let grid = Grid { inverse_cell: 1.0, cells, hash: HASH_TESCHNER, table: 1, radius2: 1.0, ..Grid::default() };
-        let position = [1.0, 2.0, 1.0];
+        // A table of one entry: all cells lead to all photons.
+        let at = |i: u32| [(i % 4) as f32, (i / 4 % 4) as f32, (i / 16) as f32];
+        let sites: Vec<_> = (0..40u32).map(|i| Site { position: at(i), photon: i }).collect();
+        let rows = rows();
+        let grid = Grid {
+            inverse_cell: 1.0,
+            cells: [4, 4, 3],
+            hash: HASH_TESCHNER,
+            table: 1,
+            radius2: 1.0,
+            cell_width: 1.0,
+            rows: rows.len() as u32,
+            ..Grid::default()
+        };
         let mut heap = Heap::<65>::new();
         heap.reset(64, grid.radius2);
-        assert!(search(position, &grid, &photons, &order, &[0], &[40], &mut heap));
-        heap.sort(&order);
+        let (none, begins) = (&(), [0, 40]);
+        assert!(search([1.0, 2.0, 1.0], &grid, &rows, &sites, none, &begins, &mut (), &mut (), &mut heap));
+        heap.sort(&sites);
         let found: Vec<_> = (0..heap.count()).map(|i| heap.slot(i)).collect();
         // Itself, then its neighbours in the lattice, by index; there are only five.
         assert_eq!(found, [25, 9, 21, 24, 26, 29]);
@@ -196,38 +258,61 @@ mod tests {
 
     #[test]
     fn an_estimate_reaches_to_the_first_photon_that_it_does_not_count() {
-        let at = |x: f32, power: f32| Photon { position: [x, 0.0, 0.0], power: [power; 3], ..Photon::default() };
-        let photons = [at(0.0, 1.0), at(0.25, 2.0), at(0.5, 4.0), at(0.75, 8.0)];
-        let cells = [3, 3, 3];
-        let grid = Grid { inverse_cell: 0.99, cells, hash: HASH_TESCHNER, table: 1, radius2: 1.0, ..Grid::default() };
+        let sites = [0.0, 0.25, 0.5, 0.75].map(|x| Site { position: [x, 0.0, 0.0], photon: (x * 4.0) as u32 });
+        let arrivals = [1.0, 2.0, 4.0, 8.0].map(|power| Arrival { power: [power, 0.0, power * 1e-20], direction: 0 });
+        let rows = rows();
+        let grid = Grid {
+            inverse_cell: 0.99,
+            cells: [1, 1, 1],
+            hash: HASH_TESCHNER,
+            table: 1,
+            radius2: 1.0,
+            cell_width: 1.0,
+            rows: rows.len() as u32,
+            ..Grid::default()
+        };
         let estimate = |k: u32, queries: &[Query]| {
-            let mut out = vec![Irradiance { rgb: [9.0; 3], photons: 9 }; queries.len()];
-            let params = GatherParams { queries: queries.len() as u32, k };
+            let mut out = [(); 2].map(|()| vec![Irradiance { rgb: [9.0; 3], photons: 9 }; queries.len()]);
+            let params = GatherParams { queries: queries.len() as u32, k, guess: 1.0, guard: 30 };
+            let order: Vec<u32> = (0..params.queries).rev().collect();
+            let power = [8f32.to_bits()];
             // An invocation too many, which must do nothing.
             for i in 0..=params.queries {
                 let list = SortedList::<17>::new();
+                let by_list = out[0].as_mut_slice();
                 gather_irradiance(
+                    i, list, &params, &grid, &rows, queries, &order, &sites, &arrivals, &[0, 4], &power, by_list,
+                );
+                let by_counting = out[1].as_mut_slice();
+                gather_irradiance_by_counting(
                     i,
-                    list,
+                    3,
+                    &mut [7; 2048],
                     &params,
                     &grid,
+                    &rows,
                     queries,
-                    &photons,
-                    &[0, 1, 2, 3],
-                    &[0],
-                    &[4],
-                    out.as_mut_slice(),
+                    &order,
+                    &sites,
+                    &arrivals,
+                    &[0, 4],
+                    &power,
+                    by_counting,
                 );
             }
-            out
+            assert_eq!(out[0], out[1], "k = {k}");
+            out[0].clone()
         };
         let pi = core::f32::consts::PI;
         let here = Query { position: [0.0; 3], active: 1 };
         for (k, power, radius2, counted) in
             [(1, 1.0, 0.0625, 1), (2, 3.0, 0.25, 2), (3, 7.0, 0.5625, 3), (4, 15.0, 1.0, 4), (9, 15.0, 1.0, 4)]
         {
-            let expected = Irradiance { rgb: [power / (pi * radius2); 3], photons: counted };
-            assert_eq!(estimate(k, &[here]), [expected], "k = {k}");
+            let found = estimate(k, &[here])[0];
+            // The last channel is far below the scale, which the others have made.
+            let expected = [power / (pi * radius2), 0.0, 1e-20 * power / (pi * radius2)];
+            assert_eq!((found.photons, found.rgb[0], found.rgb[1]), (counted, expected[0], 0.0), "k = {k}");
+            assert!((found.rgb[2] / expected[2] - 1.0).abs() < 2e-7, "k = {k}: {}", found.rgb[2]);
         }
         let nothing = Irradiance::default();
         assert_eq!(estimate(2, &[Query { active: 0, ..here }, Query { position: [50.0; 3], active: 1 }]), [nothing; 2]);

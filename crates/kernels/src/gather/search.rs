@@ -1,93 +1,132 @@
-//! The walk through the 27 cells around a query.
+//! The walk through the cells around a query.
 
 use super::Candidates;
-use crate::grid::{Grid, HASH_LINEAR, cell_of, hash_cell, least_distance2, neighbour_cell};
-use crate::layout::Photon;
+use crate::grid::{Grid, HASH_LINEAR, MAX_REACH, Row, axis_cell, cell_of, coordinates, gap, hash_cell};
+use crate::layout::Site;
 
-/// Squared distance of two points, m². A difference below 2⁻⁶³ m along an axis counts as none: its square would be subnormal,
-/// and not every device has such numbers.
+/// Squared distances below 2⁻⁷⁴ m² count as none: then it does not show whether a device flushes products that are subnormal.
+///
+/// In a larger sum the largest product is at least 2⁻⁷⁶, so that half its last place is at least 2⁻¹⁰⁰. A product below 2⁻¹⁰² beside
+/// it rounds away, with one below 2⁻¹²⁶ or without; and one from 2⁻¹⁰² on does not change by adding one below 2⁻¹²⁶.
+const LEAST_DISTANCE2: f32 = 5.293_956e-23;
+
+/// Squared distance of two points, m²; 0 for points closer than 2⁻³⁷ m, which is 7 pm.
 #[inline]
 #[must_use]
 pub fn distance2(a: [f32; 3], b: [f32; 3]) -> f32 {
-    let x = square(a[0] - b[0]);
-    let y = square(a[1] - b[1]);
-    let z = square(a[2] - b[2]);
-    x + y + z
+    let x = a[0] - b[0];
+    let y = a[1] - b[1];
+    let z = a[2] - b[2];
+    let sum = x * x + y * y + z * z;
+    if sum < LEAST_DISTANCE2 { 0.0 } else { sum }
 }
 
-/// The square of `x`, zero or normal: (2⁻⁶³)² is the smallest normal number.
+/// A number not below √x, and at most 9 % above it: half the exponent, raised by as much as that may be too low.
 #[inline]
-fn square(x: f32) -> f32 {
-    const LEAST: u32 = (127 - 63) << 23;
-    if x.to_bits() & 0x7fff_ffff < LEAST { 0.0 } else { x * x }
+#[must_use]
+pub fn root_above(x: f32) -> f32 {
+    f32::from_bits((x.to_bits() >> 1) + 0x1fbd_1df5) * 1.0361
 }
 
 /// Offers `candidates` every photon within the grid's radius of `position` (section 3.1.3) that is not beyond their bound.
+///
+/// Rows of cells come nearest first, each trimmed to the cells that the bound reaches. In a table of linear cell numbers what is
+/// left of a row is one run of photons; otherwise each of its cells has its own.
 ///
 /// Returns whether the walk came to its end. It always does, unless the device ends loops early, as llvmpipe does after
 /// 65,535 iterations.
 #[inline]
 #[must_use]
-pub fn search<C: Candidates>(
+pub fn search<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     position: [f32; 3],
     grid: &Grid,
-    photons: &[Photon],
-    order: &[u32],
-    starts: &[u32],
-    ends: &[u32],
+    rows: &[Row],
+    sites: &[Site],
+    arrivals: &A,
+    begins: &[u32],
+    memory: &mut M,
+    output: &mut O,
     candidates: &mut C,
 ) -> bool {
-    let centre = cell_of(grid, position);
+    let c = coordinates(grid, position);
+    let centre_y = axis_cell(c[1], grid.cells[1]) as i32 - MAX_REACH as i32;
+    let centre_z = axis_cell(c[2], grid.cells[2]) as i32 - MAX_REACH as i32;
+    let last = (grid.cells[0] - 1) as f32;
     let mut whole = true;
     let mut n = 0;
-    while n < 27 {
-        let cell = neighbour_cell(centre, n);
-        // Once enough is found, cells that are farther away are left out.
-        let mut slot = 0;
-        let mut end = 0;
-        if least_distance2(grid, position, centre, cell) <= candidates.bound() {
-            let entry = hash_cell(grid, cell) as usize;
-            slot = starts[entry];
-            end = ends[entry];
-        }
-        while slot < end {
-            consider(slot, end, position, cell, grid, photons, order, candidates);
-            if C::SHORT {
-                consider(slot + 1, end, position, cell, grid, photons, order, candidates);
-                consider(slot + 2, end, position, cell, grid, photons, order, candidates);
-                consider(slot + 3, end, position, cell, grid, photons, order, candidates);
-                consider(slot + 4, end, position, cell, grid, photons, order, candidates);
-                consider(slot + 5, end, position, cell, grid, photons, order, candidates);
-                consider(slot + 6, end, position, cell, grid, photons, order, candidates);
-                consider(slot + 7, end, position, cell, grid, photons, order, candidates);
+    let mut end_of_rows = grid.rows;
+    while n < end_of_rows {
+        let row = rows[n as usize];
+        let bound = candidates.bound();
+        // Wraps where the grid ends.
+        let y = (centre_y + row.y as i32) as u32;
+        let z = (centre_z + row.z as i32) as u32;
+        if row.least2 > bound {
+            // All rows from here on are farther still.
+            end_of_rows = 0;
+        } else if y < grid.cells[1] && z < grid.cells[2] {
+            let gap_y = gap(grid, c[1], y);
+            let gap_z = gap(grid, c[2], z);
+            // The margin covers the rounding of the difference.
+            let rest = bound * (1.0 + 9.536_743e-7) - (gap_y * gap_y + gap_z * gap_z);
+            if rest >= 0.0 {
+                let half = root_above(rest) * grid.inverse_cell + grid.slack;
+                let low = c[0] - half;
+                let high = c[0] + half;
+                let mut x = if low > 0.0 { low as u32 } else { 0 };
+                let end_x = if high < last { high as u32 } else { grid.cells[0] - 1 };
+                while x <= end_x {
+                    let cell = [x, y, z];
+                    let entry = hash_cell(grid, cell);
+                    let mut entries = 1;
+                    if grid.hash == HASH_LINEAR {
+                        entries = end_x - x + 1;
+                    }
+                    x += entries;
+                    let mut slot = begins[entry as usize];
+                    let end = begins[(entry + entries) as usize];
+                    while slot < end {
+                        consider(slot, end, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        if C::SHORT {
+                            consider(slot + 1, end, position, cell, grid, sites, arrivals, memory, output, candidates);
+                            consider(slot + 2, end, position, cell, grid, sites, arrivals, memory, output, candidates);
+                            consider(slot + 3, end, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        }
+                        slot += if C::SHORT { 4 } else { 1 };
+                    }
+                    whole = whole && slot >= end;
+                }
+                whole = whole && x > end_x;
+                candidates.settle(memory);
             }
-            slot += if C::SHORT { 8 } else { 1 };
         }
-        candidates.settle();
-        whole = whole && slot >= end;
         n += 1;
     }
-    whole && n >= 27
+    whole && n >= end_of_rows
 }
 
 /// Offers the photon at `slot` of `cell`'s table entry, which stops before `end`.
 #[inline]
-fn consider<C: Candidates>(
+fn consider<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     slot: u32,
     end: u32,
     position: [f32; 3],
     cell: [u32; 3],
     grid: &Grid,
-    photons: &[Photon],
-    order: &[u32],
+    sites: &[Site],
+    arrivals: &A,
+    memory: &mut M,
+    output: &mut O,
     candidates: &mut C,
 ) {
     if slot < end {
-        let other = photons[slot as usize].position;
-        let d2 = distance2(position, other);
+        let site = sites[slot as usize];
+        let d2 = distance2(position, site.position);
         // Several cells may share a table entry: a photon counts only where it lies, hence never twice.
-        if d2 <= candidates.bound() && (grid.hash == HASH_LINEAR || same_cell(cell_of(grid, other), cell)) {
-            candidates.offer(d2, slot, order, photons);
+        if d2 <= candidates.bound()
+            && (grid.hash == HASH_LINEAR || same_cell(cell_of(grid, site.position), cell))
+        {
+            candidates.offer(memory, output, d2, slot, sites, arrivals);
         }
     }
 }

@@ -1,53 +1,197 @@
-//! The three construction kernels of section 3.1.3 that stand around the sort.
+//! The construction kernels of section 3.1.3 that stand around the sort.
 
 use super::{Grid, cell_of, hash_cell};
-use crate::exec::Store;
-use crate::layout::Photon;
+use crate::exec::{Store, Turns};
+use crate::layout::{Arrival, Photon, Query, Site};
 
-/// The unsorted list of hash values. The photon's index that belongs to each is its place, so only the keys are stored.
+/// Photons or table entries that one workgroup handles.
+pub const GRID_BLOCK: u32 = crate::sort::SORT_BLOCK;
+
+/// Shared memory of a workgroup that looks for the largest of its numbers.
+pub type LargestShared = [u32; 256];
+
+/// Registers of a lane that handles `N` items.
+#[derive(Clone, Copy, Default)]
+pub struct GridRegisters<const N: usize> {
+    largest: u32,
+}
+
+/// The unsorted list of hash values, and the largest power in each block, as bits: those of floats that are not negative are
+/// in the order of the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
 #[inline]
-pub fn hash_photons<K: Store<u32> + ?Sized>(i: u32, grid: &Grid, photons: &[Photon], keys: &mut K) {
-    if i < grid.photons {
-        keys.set(i, hash_cell(grid, cell_of(grid, photons[i as usize].position)));
+pub fn hash_photons<
+    const N: usize,
+    L: Turns<GridRegisters<N>>,
+    K: Store<u32> + ?Sized,
+    P: Store<u32> + ?Sized,
+>(
+    lanes: &mut L,
+    group: u32,
+    shared: &mut LargestShared,
+    grid: &Grid,
+    photons: &[Photon],
+    keys: &mut K,
+    powers: &mut P,
+) {
+    let first = group * GRID_BLOCK;
+    if first >= grid.photons {
+        return;
+    }
+    let count = lanes.lanes();
+    lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
+        r.largest = 0;
+        let mut item = 0;
+        while item < N as u32 {
+            let i = first + item * count + lane;
+            if i < grid.photons {
+                let photon = photons[i as usize];
+                keys.set(i, hash_cell(grid, cell_of(grid, photon.position)));
+                let power = photon.power;
+                r.largest = larger(larger(r.largest, power[0].to_bits()), larger(power[1].to_bits(), power[2].to_bits()));
+            }
+            item += 1;
+        }
+        shared[lane as usize] = r.largest;
+    });
+    largest(lanes, shared);
+    lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
+        if lane == 0 {
+            powers.set(group, shared[0]);
+        }
+    });
+}
+
+#[inline]
+fn larger(a: u32, b: u32) -> u32 {
+    if a < b { b } else { a }
+}
+
+/// Leaves the largest of the lanes' numbers in `shared[0]`.
+#[inline]
+fn largest<const N: usize, L: Turns<GridRegisters<N>>>(lanes: &mut L, shared: &mut LargestShared) {
+    let mut half = lanes.lanes() / 2;
+    while half > 0 {
+        lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
+            if lane < half {
+                shared[lane as usize] = larger(shared[lane as usize], shared[(lane + half) as usize]);
+            }
+        });
+        half /= 2;
     }
 }
 
-/// Where each hash value begins and ends in the sorted list. Entries without photons keep the zeros they were cleared to.
+/// Where each table entry begins in the sorted list: the first place whose key is not below it. An entry ends where the next
+/// begins, neighbouring entries are one run, and entries without photons need no clearing. There is one begin more than entries.
+///
+/// The first workgroup also finds the largest of all `powers`.
 #[inline]
-pub fn cell_ranges<S: Store<u32> + ?Sized, E: Store<u32> + ?Sized>(
-    i: u32,
+pub fn cell_begins<
+    const N: usize,
+    L: Turns<GridRegisters<N>>,
+    B: Store<u32> + ?Sized,
+    P: Store<u32> + ?Sized,
+>(
+    lanes: &mut L,
+    group: u32,
+    shared: &mut LargestShared,
     grid: &Grid,
     keys: &[u32],
-    starts: &mut S,
-    ends: &mut E,
+    powers: &[u32],
+    begins: &mut B,
+    power: &mut P,
 ) {
-    if i < grid.photons {
-        let key = keys[i as usize];
-        if i == 0 {
-            starts.set(key, 0);
-        } else {
-            let previous = keys[(i - 1) as usize];
-            if previous != key {
-                ends.set(previous, i);
-                starts.set(key, i);
+    let count = lanes.lanes();
+    if group == 0 {
+        let blocks = (grid.photons + GRID_BLOCK - 1) / GRID_BLOCK;
+        lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
+            r.largest = 0;
+            let mut block = lane;
+            while block < blocks {
+                r.largest = larger(r.largest, powers[block as usize]);
+                block += count;
             }
-        }
-        if i == grid.photons - 1 {
-            ends.set(key, i + 1);
-        }
+            shared[lane as usize] = r.largest;
+        });
+        largest(lanes, shared);
+        lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
+            if lane == 0 {
+                power.set(0, shared[0]);
+            }
+        });
     }
+    lanes.each(shared, move |lane, _, _: &mut LargestShared| {
+        let mut entry = group * GRID_BLOCK + lane * N as u32;
+        let end = entry + N as u32;
+        let mut place = 0;
+        while entry < end && entry <= grid.table {
+            place = first_from(keys, place, grid.photons, entry);
+            begins.set(entry, place);
+            entry += 1;
+        }
+    });
 }
 
-/// Copies the photons into sorted order, so that a cell's photons lie side by side.
+/// The first place from `place` on whose key is not below `key`: by steps that double, then by halves, so that near ones are
+/// found as fast as far ones can be.
 #[inline]
-pub fn reorder_photons<P: Store<Photon> + ?Sized>(
+fn first_from(keys: &[u32], place: u32, end: u32, key: u32) -> u32 {
+    if place >= end || keys[place as usize] >= key {
+        return place;
+    }
+    let mut below = place;
+    let mut step = 1;
+    let mut above = below + step;
+    while above < end && keys[above as usize] < key {
+        below = above;
+        step *= 2;
+        above = below + step;
+    }
+    if above > end {
+        above = end;
+    }
+    while above - below > 1 {
+        let middle = below + (above - below) / 2;
+        if keys[middle as usize] < key {
+            below = middle;
+        } else {
+            above = middle;
+        }
+    }
+    above
+}
+
+/// Copies the photons into sorted order, so that a cell's photons lie side by side: what a search tests apart from what it
+/// reads of those that count.
+#[inline]
+pub fn reorder_photons<S: Store<Site> + ?Sized, A: Store<Arrival> + ?Sized>(
     i: u32,
     grid: &Grid,
     order: &[u32],
     photons: &[Photon],
-    sorted: &mut P,
+    sites: &mut S,
+    arrivals: &mut A,
 ) {
     if i < grid.photons {
-        sorted.set(i, photons[order[i as usize] as usize]);
+        let index = order[i as usize];
+        let photon = photons[index as usize];
+        sites.set(i, Site { position: photon.position, photon: index });
+        arrivals.set(i, Arrival { power: photon.power, direction: photon.direction });
+    }
+}
+
+/// The table entry of each query, by which queries are sorted so that neighbouring lanes walk the same cells. Those that seek
+/// nothing come last.
+#[inline]
+pub fn hash_queries<K: Store<u32> + ?Sized>(
+    i: u32,
+    params: &crate::gather::GatherParams,
+    grid: &Grid,
+    queries: &[Query],
+    keys: &mut K,
+) {
+    if i < params.queries {
+        let query = queries[i as usize];
+        let entry = hash_cell(grid, cell_of(grid, query.position));
+        keys.set(i, if query.active != 0 { entry } else { grid.table - 1 });
     }
 }

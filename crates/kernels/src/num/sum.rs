@@ -1,61 +1,80 @@
 //! A sum that does not depend on the order of its terms.
 //!
-//! Floating-point addition rounds, so its result depends on the order; integer addition does not. Terms are aligned to the
-//! largest and added as 64-bit integers, in two `u32`. The neighbours of a query can then be summed in whatever order a
-//! device, a hash or a container brings them, and the sum is more accurate than any order of `f32` additions.
+//! Floating-point addition rounds, so its result depends on the order; integer addition does not. Terms are aligned to a scale
+//! that is the same for all, and added as 64-bit integers, in two `u32`. The neighbours of a query can then be summed in whatever
+//! order a device, a hash or a container brings them, and the sum is more accurate than any order of `f32` additions.
 
-/// Most terms of a [`Sum`].
+/// Most terms of a [`Sum`] that keeps [`GUARD`] bits.
 pub const MAX_TERMS: u32 = 1 << 10;
-
 /// Bits kept below the last bit of the largest term: 64 − 24 of a significand − 10 for the number of terms.
-const GUARD: u32 = 30;
+pub const GUARD: u32 = 30;
 
-/// The sum of up to [`MAX_TERMS`] finite numbers that are not negative.
+/// Bits kept below the last bit of the largest of up to `terms` terms.
+#[must_use]
+pub fn guard_for(terms: u32) -> u32 {
+    let bits = 32 - terms.leading_zeros();
+    if bits > 10 { 40 - bits } else { GUARD }
+}
+
+/// The sum of finite numbers that are not negative.
 ///
-/// Its error is below n·2⁻⁵³ of the largest term (bits beyond the guard bits are cut off), then one rounding to the nearest
-/// `f32`. Subnormal terms count as zero.
+/// Its error is below n·2^(−23 − guard) of the largest term that it was made for (bits beyond the guard bits are cut off), then
+/// one rounding to the nearest `f32`. Subnormal terms count as zero.
 #[derive(Clone, Copy)]
 pub struct Sum {
-    /// Biased exponent of the largest term.
-    exponent: u32,
+    /// Biased exponent of a term whose significand ends at bit 0.
+    zero: i32,
     high: u32,
     low: u32,
 }
 
 impl Sum {
-    /// An empty sum for terms of at most `largest`.
+    /// An empty sum for terms of at most `largest`, with this many guard bits: at most [`GUARD`].
     #[inline]
     #[must_use]
-    pub fn new(largest: f32) -> Self {
-        Self { exponent: (largest.to_bits() >> 23) & 0xff, high: 0, low: 0 }
+    pub fn new(largest: f32, guard: u32) -> Self {
+        Self { zero: (largest.to_bits() >> 23) as i32 - guard as i32, high: 0, low: 0 }
     }
 
     /// Adds a term.
     #[inline]
     pub fn add(&mut self, term: f32) {
         let bits = term.to_bits();
-        let exponent = (bits >> 23) & 0xff;
-        if exponent == 0 {
-            return;
-        }
+        let exponent = (bits >> 23) as i32;
         let significand = (bits & 0x007f_ffff) | 0x0080_0000;
-        let down = self.exponent - exponent;
+        let up = exponent - self.zero;
         let mut high = 0;
         let mut low = 0;
-        if down <= GUARD {
-            let up = GUARD - down;
-            low = significand << up;
+        if up >= 0 {
+            low = significand << (up as u32 & 31);
             // The significand has 24 bits: up to eight places it stays in the low word.
             if up > 8 {
-                high = significand >> (32 - up);
+                high = significand >> (32 - up as u32);
             }
-        } else if down < GUARD + 24 {
-            low = significand >> (down - GUARD);
+        } else if up > -24 {
+            low = significand >> (0 - up) as u32;
+        }
+        // Zero has no leading bit.
+        if exponent == 0 {
+            high = 0;
+            low = 0;
         }
         let sum = self.low.wrapping_add(low);
         let carry = if sum < low { 1 } else { 0 };
         self.low = sum;
         self.high = self.high.wrapping_add(high).wrapping_add(carry);
+    }
+
+    /// Whether `terms` terms were so small against the scale that the bits cut off may show: fewer than 36 bits are sure. Then the
+    /// sum is to be made again with their own largest.
+    #[inline]
+    #[must_use]
+    pub fn is_vague(&self, terms: u32, guard: u32) -> bool {
+        // Less than 2^(guard + 6) a term, which is 2⁻¹⁷ of the scale.
+        let shift = guard + 6;
+        let (high, low) =
+            if shift >= 32 { (terms << (shift - 32), 0) } else { (terms >> (32 - shift), terms << shift) };
+        self.high < high || (self.high == high && self.low < low)
     }
 
     /// The sum, rounded to the nearest `f32`, ties to even; infinite beyond the largest.
@@ -80,8 +99,8 @@ impl Sum {
             low <<= zeros;
         }
         shift += zeros;
-        // The largest term's significand has its top bit at 23 + GUARD = 53; the sum's is at 63 − shift.
-        let mut exponent = self.exponent as i32 + 10 - shift as i32;
+        // A significand that ends at bit 0 has its top bit at 23; the sum's is at 63 − shift.
+        let mut exponent = self.zero + 40 - shift as i32;
         let mut significand = high >> 8;
         let rest = high & 0xff;
         let above_half = rest > 0x80 || (rest == 0x80 && (low != 0 || significand & 1 == 1));
@@ -109,7 +128,7 @@ mod tests {
     use std::vec::Vec;
 
     fn sum(terms: &[f32]) -> f32 {
-        let mut sum = Sum::new(terms.iter().copied().fold(0.0, f32::max));
+        let mut sum = Sum::new(terms.iter().copied().fold(0.0, f32::max), GUARD);
         for &term in terms {
             sum.add(term);
         }
@@ -174,5 +193,38 @@ mod tests {
         assert_eq!(sum(&[f32::MAX; 1]), f32::MAX);
         assert_eq!(sum(&[1.0; 1024]), 1024.0);
         assert_eq!(sum(&[f32::from_bits(0x3fff_ffff); 1024]), 1024.0 * f32::from_bits(0x3fff_ffff));
+    }
+
+    #[test]
+    fn a_sum_of_many_terms_has_room_for_them() {
+        for (terms, guard) in [(1, 30), (1023, 30), (1024, 29), (1 << 20, 19), (u32::MAX, 8)] {
+            assert_eq!(guard_for(terms), guard);
+        }
+        let count = (1 << 20) - 1;
+        let mut sum = Sum::new(1.5, guard_for(count));
+        (0..count).for_each(|_| sum.add(1.999_999_9));
+        assert_eq!(sum.value(), (f64::from(1.999_999_9f32) * f64::from(count)) as f32);
+    }
+
+    /// What a scale far above the terms costs is noticed before it shows.
+    #[test]
+    fn a_sum_that_is_not_vague_is_right_whatever_its_scale() {
+        let mut lcg = Lcg(5);
+        let mut vague = [0, 0];
+        for round in 0..2000u32 {
+            let terms: Vec<f32> = (0..1 + round % 60).map(|_| 0.5 + lcg.next_u32() as f32 / u32::MAX as f32).collect();
+            let exact: f64 = terms.iter().map(|&term| f64::from(term)).sum();
+            for guard in [GUARD, 20, 8] {
+                let mut sum = Sum::new(2f32.powi((round % 40) as i32), guard);
+                terms.iter().for_each(|&term| sum.add(term));
+                let is_vague = sum.is_vague(terms.len() as u32, guard);
+                vague[usize::from(is_vague)] += 1;
+                // 2⁻⁷ a guard bit less of the 2⁻³⁶ that GUARD promises, and the rounding.
+                let bound = 2f64.powi(-6 - guard as i32) + 2f64.powi(-24) * 1.000_01;
+                assert!(is_vague || (f64::from(sum.value()) - exact).abs() <= exact * bound);
+                assert!(!is_vague || round % 40 >= 16, "a scale of 2^{} is no reason", round % 40);
+            }
+        }
+        assert!(vague[0] > 1000 && vague[1] > 1000, "{vague:?}");
     }
 }

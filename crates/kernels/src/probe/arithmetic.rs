@@ -2,7 +2,7 @@
 
 use crate::exec::Store;
 use crate::num::{
-    Sum, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns, sqrt,
+    GUARD, Sum, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns, sqrt,
     total_order_key,
 };
 use bytemuck::{Pod, Zeroable};
@@ -62,7 +62,7 @@ pub fn arithmetic<R: Store<Arithmetic> + ?Sized>(i: u32, params: &ArithmeticPara
     let (tame_a, tame_b) = (tame(a_bits), tame(b_bits));
     let (sin, cos) = sin_cos_turns(a);
     let (x, y) = (f32::from_bits(tame_a.to_bits() & 0x7fff_ffff), f32::from_bits(tame_b.to_bits() & 0x7fff_ffff));
-    let mut sum = Sum::new(max(x, y));
+    let mut sum = Sum::new(max(x, y), GUARD);
     sum.add(x);
     sum.add(y);
     sum.add(x);

@@ -6,8 +6,8 @@
 
 use crate::exec::Store;
 use crate::gather::GatherParams;
-use crate::grid::Grid;
-use crate::layout::{Irradiance, Neighbour, Photon, Query};
+use crate::grid::{Grid, Row};
+use crate::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
     Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
@@ -83,8 +83,14 @@ layouts! {
         queries: Query { position, active },
         neighbours: Neighbour { distance2, photon },
         irradiance: Irradiance { rgb, photons },
-        grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack },
-        gather: GatherParams { queries, k }
+        sites: Site { position, photon },
+        arrivals: Arrival { power, direction }
+    );
+    /// Records of grids and searches.
+    layout_grid(
+        grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack, rows },
+        rows: Row { y, z, least2 },
+        gather: GatherParams { queries, k, guess, guard }
     );
     /// Records of sorting, and of emission.
     layout_sort(

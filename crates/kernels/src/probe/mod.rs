@@ -6,4 +6,4 @@ mod layout;
 pub use arithmetic::{Arithmetic, ArithmeticParams, arithmetic};
 #[cfg(not(target_arch = "spirv"))]
 pub use layout::LAYOUTS;
-pub use layout::{LAYOUT_WORDS, Words, layout_film, layout_map, layout_scene, layout_sort};
+pub use layout::{LAYOUT_WORDS, Words, layout_film, layout_grid, layout_map, layout_scene, layout_sort};

@@ -1,0 +1,494 @@
+//! The estimate without a container: counting finds which photons are the nearest, then their power is summed.
+//!
+//! Candidates are counted by squared distance in a few bins; what the bin with the (k + 1)-th holds is listed in a second walk,
+//! which also sums what is nearer. Two walks through the cells cost less than a container of hundreds of photons in a GPU's memory,
+//! and any k is served by the same kernel. A first radius is guessed from how many photons are in the cells around; it only has to
+//! be likely, for the count shows whether it was enough. Everything is compared as integers: the bits of positive floats are in
+//! the order of the floats. The result has the bits that the containers give.
+//!
+//! Source: selection by distribution counting (Alabi et al., "Fast k-Selection Algorithms for Graphics Processing Units",
+//! 2012), here over cells that are walked again and not over a list.
+#![allow(clippy::implicit_saturating_sub)] // rust-gpu 0.10 cannot compile `saturating_sub`
+
+use super::estimate::over_disc;
+use super::power::{Power, larger};
+use super::{CUT_SHORT, Candidates, GatherParams, distance2, search};
+use crate::exec::Store;
+use crate::grid::{Grid, HASH_LINEAR, MAX_REACH, Row, cell_of, hash_cell};
+use crate::layout::{Arrival, Irradiance, Query, Site};
+use crate::num::GUARD;
+
+/// Lanes of a workgroup that shares out columns.
+pub const COLUMN_LANES: u32 = 64;
+/// Bins of a count, and places of a list: words of a lane's column.
+pub(super) const BINS: u32 = 32;
+/// Binary digits of a bin's number.
+const DIGITS: u32 = 5;
+/// Shared memory of a workgroup, a column a lane: word `w` of a lane lies beside the others' words `w`, so that lanes never meet
+/// in a bank.
+pub type Columns = [u32; (BINS * COLUMN_LANES) as usize];
+
+/// Place of word `word` in the column of `lane`.
+#[inline]
+pub(super) fn at(word: u32, lane: u32) -> usize {
+    (word * COLUMN_LANES + lane) as usize
+}
+
+/// A place in the order of neighbours.
+#[derive(Clone, Copy)]
+pub(super) struct Place {
+    /// Bits of the squared distance.
+    pub(super) bits: u32,
+    /// Index of the photon before sorting.
+    pub(super) index: u32,
+}
+
+impl Place {
+    /// Every candidate comes before this.
+    pub(super) const ALL: Self = Self { bits: 0xffff_ffff, index: 0 };
+}
+
+/// Whether a candidate comes before a place. Its index is read for a tie only.
+#[inline]
+pub(super) fn is_before(bits: u32, slot: u32, place: Place, sites: &[Site]) -> bool {
+    bits < place.bits || (bits == place.bits && sites[slot as usize].photon < place.index)
+}
+
+/// Numbers from `first` on, in bins of 2^`shift`, up to `end`.
+#[derive(Clone, Copy)]
+pub(super) struct Bins {
+    pub(super) first: u32,
+    pub(super) end: u32,
+    pub(super) shift: u32,
+}
+
+impl Bins {
+    /// The squared distances of two binades below `end`: in the upper, where a good guess has the last neighbour, each bin is a
+    /// 32nd of the whole.
+    #[inline]
+    fn below(end: u32) -> Self {
+        const SHIFT: u32 = 19;
+        let first = if end > BINS << SHIFT { end - (BINS << SHIFT) } else { 0 };
+        Self { first, end, shift: SHIFT }
+    }
+
+    /// The parts of one of the bins.
+    #[inline]
+    fn inside(self, bin: u32) -> Self {
+        let first = self.first + (bin << self.shift);
+        let end = first + (1 << self.shift);
+        Self {
+            first,
+            end: if end < self.end { end } else { self.end },
+            shift: if self.shift > DIGITS { self.shift - DIGITS } else { 0 },
+        }
+    }
+}
+
+/// Counts candidates by the bits of their squared distance, in the lane's column.
+struct ByDistance {
+    lane: u32,
+    bins: Bins,
+    /// Candidates nearer than all bins.
+    nearer: u32,
+    /// Which of them is sought, from 1.
+    wanted: u32,
+    /// The last bin that may hold it, and how many are no farther than that bin.
+    top: u32,
+    within: u32,
+    bound: f32,
+}
+
+impl ByDistance {
+    #[inline]
+    fn new(lane: u32, bins: Bins, wanted: u32) -> Self {
+        let bound = f32::from_bits(bins.end - 1);
+        Self { lane, bins, nearer: 0, wanted, top: BINS - 1, within: 0, bound }
+    }
+}
+
+impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByDistance {
+    const SHORT: bool = true;
+
+    #[inline]
+    fn bound(&self) -> f32 {
+        self.bound
+    }
+
+    #[inline]
+    fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, _slot: u32, _sites: &[Site], _arrivals: &A) {
+        let bits = distance2.to_bits();
+        self.within += 1;
+        if bits < self.bins.first {
+            self.nearer += 1;
+        } else {
+            memory[at((bits - self.bins.first) >> self.bins.shift, self.lane)] += 1;
+        }
+    }
+
+    /// Leaves out what is farther than enough others.
+    #[inline]
+    fn settle(&mut self, memory: &mut [u32; N]) {
+        let mut far = memory[at(self.top, self.lane)];
+        let mut falls = self.top > 0 && self.within - far >= self.wanted;
+        while falls {
+            self.within -= far;
+            self.top -= 1;
+            self.bound = f32::from_bits(self.bins.first + ((self.top + 1) << self.bins.shift) - 1);
+            far = memory[at(self.top, self.lane)];
+            falls = self.top > 0 && self.within - far >= self.wanted;
+        }
+    }
+}
+
+/// Counts the candidates of one distance by their index, from word `from` of the lane's column on.
+struct ByIndex {
+    lane: u32,
+    from: u32,
+    bins: Bins,
+    bits: u32,
+}
+
+impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByIndex {
+    const SHORT: bool = true;
+
+    #[inline]
+    fn bound(&self) -> f32 {
+        f32::from_bits(self.bits)
+    }
+
+    #[inline]
+    fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
+        if distance2.to_bits() == self.bits {
+            let index = sites[slot as usize].photon;
+            if index >= self.bins.first && index < self.bins.end {
+                memory[at(self.from + ((index - self.bins.first) >> self.bins.shift), self.lane)] += 1;
+            }
+        }
+    }
+}
+
+#[inline]
+fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
+    let mut bin = 0;
+    while bin < BINS {
+        memory[at(from + bin, lane)] = 0;
+        bin += 1;
+    }
+}
+
+/// The bin that holds the `rank`-th of what was counted from word `from` on (from 1; [`BINS`] if there are fewer), how many are in bins before it,
+/// and how many in it.
+#[inline]
+fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) -> (u32, u32, u32) {
+    let mut bin = 0;
+    let mut before = 0;
+    let mut inside = memory[at(from, lane)];
+    while bin < BINS && before + inside < rank {
+        before += inside;
+        bin += 1;
+        inside = if bin < BINS { memory[at(from + bin, lane)] } else { 0 };
+    }
+    (bin, before, inside)
+}
+
+/// Bits after those of a squared radius within which the wanted photons probably are.
+///
+/// The 27 cells around hold n photons in the volume (3c)³. If that is the density, a ball of v photons has the radius
+/// 3c·(v / (4π/3·n))^(1/3). Photons on surfaces lie closer than so in space, so the guess is a little far for them.
+#[inline]
+fn guess(position: [f32; 3], params: &GatherParams, grid: &Grid, rows: &[Row], begins: &[u32]) -> u32 {
+    let last = grid.radius2.to_bits() + 1;
+    if grid.hash != HASH_LINEAR || grid.rows < 9 {
+        return last;
+    }
+    let centre = cell_of(grid, position);
+    let low = if centre[0] > 0 { centre[0] - 1 } else { 0 };
+    let high = if centre[0] + 1 < grid.cells[0] { centre[0] + 1 } else { centre[0] };
+    let mut n = 0;
+    let mut row = 0;
+    while row < 9 {
+        let y = (centre[1] + rows[row].y).wrapping_sub(MAX_REACH);
+        let z = (centre[2] + rows[row].z).wrapping_sub(MAX_REACH);
+        if y < grid.cells[1] && z < grid.cells[2] {
+            let entry = hash_cell(grid, [low, y, z]);
+            n += begins[(entry + high - low + 1) as usize] - begins[entry as usize];
+        }
+        row += 1;
+    }
+    if n == 0 {
+        return last;
+    }
+    // n^(−2/3) within a few percent, by its exponent: 5/3 · 127 · 2²³ − 2/3 of the bits.
+    let power = f32::from_bits(1_775_588_693 - (n as f32).to_bits() / 3 * 2);
+    let width = 3.0 * grid.cell_width;
+    let end = (width * width * params.guess * power).to_bits() + 1;
+    if end < last { end } else { last }
+}
+
+/// What counting found: the neighbours sought are those before a place among the candidates below `bins.end`.
+#[derive(Clone, Copy)]
+pub(super) struct Found {
+    /// Whether the walks came to their ends.
+    pub(super) whole: bool,
+    /// Whether there are as many photons as were wanted. If not, all within the radius are sought.
+    pub(super) enough: bool,
+    /// The bins of the last count, and in them the one with the last that is wanted.
+    pub(super) counted: Bins,
+    /// Its limits.
+    pub(super) bins: Bins,
+    /// How many are before all of those bins, and how many before the one.
+    pub(super) nearer: u32,
+    pub(super) before: u32,
+    /// Which of the bin is the last that is wanted, from 1. 0 where more lie at one distance than a list takes: then it is
+    /// the one with this index.
+    pub(super) rank: u32,
+    pub(super) index: u32,
+}
+
+/// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`BINS`] candidates can finish.
+#[inline]
+pub(super) fn find<const N: usize, A: ?Sized>(
+    lane: u32,
+    memory: &mut [u32; N],
+    position: [f32; 3],
+    wanted: u32,
+    params: &GatherParams,
+    grid: &Grid,
+    rows: &[Row],
+    sites: &[Site],
+    arrivals: &A,
+    begins: &[u32],
+) -> Found {
+    let last = grid.radius2.to_bits() + 1;
+    let mut bins = Bins::below(guess(position, params, grid, rows, begins));
+    let mut found = Found { whole: true, enough: true, counted: bins, bins, nearer: 0, before: 0, rank: 0, index: 0 };
+    let mut crowded = false;
+    let mut searching = true;
+    while searching {
+        clear(memory, lane, 0);
+        let mut count = ByDistance::new(lane, bins, wanted);
+        found.whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
+        found.counted = bins;
+        if count.nearer >= wanted {
+            // Only bins of a guess leave out what is nearer.
+            bins = Bins::below(bins.first);
+        } else {
+            let (bin, before, inside) = bin_of(memory, lane, 0, wanted - count.nearer);
+            found.nearer = count.nearer;
+            found.before = count.nearer + before;
+            if bin < BINS {
+                found.rank = wanted - found.before;
+                crowded = inside > BINS;
+                searching = crowded && bins.shift > 0;
+                bins = bins.inside(bin);
+            } else if bins.end >= last {
+                found.enough = false;
+                searching = false;
+            } else {
+                // Twice the radius.
+                let end = bins.end + (2 << 23);
+                bins = Bins::below(if end < last { end } else { last });
+            }
+        }
+        // A device that ends loops early must not be kept in this one.
+        searching = searching && found.whole;
+    }
+    found.bins = bins;
+
+    // Too many at one distance: their indices decide. Whoever has more memory may still need the counts of distances.
+    let from = if N >= (2 * BINS * COLUMN_LANES) as usize { BINS } else { 0 };
+    let mut indices = Bins { first: 0, end: 0xffff_ffff, shift: 27 };
+    searching = found.enough && crowded && found.whole;
+    while searching {
+        clear(memory, lane, from);
+        let mut count = ByIndex { lane, from, bins: indices, bits: bins.first };
+        found.whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
+        let (bin, before, _) = bin_of(memory, lane, from, found.rank);
+        found.rank -= before;
+        found.before += before;
+        found.index = indices.first + (bin << indices.shift);
+        searching = indices.shift > 0 && found.whole;
+        indices = indices.inside(bin);
+        if !searching {
+            found.rank = 0;
+        }
+    }
+    found
+}
+
+/// Sums the power of the candidates before a place, and lists those from there on up to an end.
+struct Collect {
+    lane: u32,
+    from: Place,
+    end: u32,
+    power: Power,
+    len: u32,
+}
+
+impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Collect {
+    const SHORT: bool = true;
+
+    #[inline]
+    fn bound(&self) -> f32 {
+        f32::from_bits(self.end - 1)
+    }
+
+    #[inline]
+    fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
+        if is_before(distance2.to_bits(), slot, self.from, sites) {
+            self.power.add(&arrivals[slot as usize]);
+        } else if self.len < BINS {
+            memory[at(self.len, self.lane)] = slot;
+            self.len += 1;
+        }
+    }
+}
+
+/// The first in order of the `len` candidates that are listed in a lane's column from `word` on; it is taken out by putting the
+/// last in its place.
+#[inline]
+pub(super) fn take_first<const N: usize>(
+    memory: &mut [u32; N],
+    lane: u32,
+    word: u32,
+    len: u32,
+    position: [f32; 3],
+    sites: &[Site],
+) -> (Place, u32) {
+    let mut first = Place::ALL;
+    let mut slot = 0;
+    let mut n = word;
+    let mut taken = word;
+    while n < word + len {
+        let other = memory[at(n, lane)];
+        let site = sites[other as usize];
+        let bits = distance2(position, site.position).to_bits();
+        if bits < first.bits || (bits == first.bits && site.photon < first.index) {
+            first = Place { bits, index: site.photon };
+            slot = other;
+            taken = n;
+        }
+        n += 1;
+    }
+    memory[at(taken, lane)] = memory[at(word + len - 1, lane)];
+    (first, slot)
+}
+
+/// A second sum, for what was vague: of the candidates before a place the largest power, and then the sum.
+struct Again {
+    place: Place,
+    bound: f32,
+    sums: bool,
+    scale: [f32; 3],
+    power: Power,
+}
+
+impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Again {
+    const SHORT: bool = true;
+
+    #[inline]
+    fn bound(&self) -> f32 {
+        self.bound
+    }
+
+    #[inline]
+    fn offer(&mut self, _memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
+        if is_before(distance2.to_bits(), slot, self.place, sites) {
+            if self.sums {
+                self.power.add(&arrivals[slot as usize]);
+            } else {
+                self.scale = larger(self.scale, &arrivals[slot as usize]);
+            }
+        }
+    }
+}
+
+/// The sum of the candidates before a place, aligned to their own largest, and whether the walks came to their ends.
+#[inline]
+pub(super) fn sum_again<const N: usize>(
+    memory: &mut [u32; N],
+    position: [f32; 3],
+    place: Place,
+    radius2: f32,
+    guard: u32,
+    grid: &Grid,
+    rows: &[Row],
+    sites: &[Site],
+    arrivals: &[Arrival],
+    begins: &[u32],
+) -> (Power, bool) {
+    let mut again = Again { place, bound: radius2, sums: false, scale: [0.0; 3], power: Power::new([0.0; 3], guard) };
+    let mut whole = true;
+    let mut walk = 0;
+    while walk < 2 {
+        whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut again) && whole;
+        if walk == 0 {
+            again.sums = true;
+            again.power = Power::new(again.scale, guard);
+        }
+        walk += 1;
+    }
+    (again.power, whole)
+}
+
+/// Irradiance at the `i`-th query: [`gather_irradiance`](super::gather_irradiance) without a container.
+#[inline]
+pub fn gather_irradiance_by_counting<I: Store<Irradiance> + ?Sized>(
+    i: u32,
+    lane: u32,
+    memory: &mut Columns,
+    params: &GatherParams,
+    grid: &Grid,
+    rows: &[Row],
+    queries: &[Query],
+    query_order: &[u32],
+    sites: &[Site],
+    arrivals: &[Arrival],
+    begins: &[u32],
+    power: &[u32],
+    irradiance: &mut I,
+) {
+    if i >= params.queries {
+        return;
+    }
+    let q = query_order[i as usize];
+    let query = queries[q as usize];
+    if query.active == 0 {
+        irradiance.set(q, Irradiance { rgb: [0.0, 0.0, 0.0], photons: 0 });
+        return;
+    }
+    let position = query.position;
+    let found = find(lane, memory, position, params.k + 1, params, grid, rows, sites, arrivals, begins);
+    let counted = if found.enough { params.k } else { found.before };
+    let scale = f32::from_bits(power[0]);
+    let mut collect = Collect {
+        lane,
+        from: if found.enough { Place { bits: found.bins.first, index: found.index } } else { Place::ALL },
+        end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
+        power: Power::new([scale, scale, scale], GUARD),
+        len: 0,
+    };
+    let mut whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect) && found.whole;
+    // Those of the list up to the last, which the disc reaches to.
+    let mut place = collect.from;
+    let mut n = 0;
+    while n < found.rank && n < collect.len {
+        let (first, slot) = take_first(memory, lane, 0, collect.len - n, position, sites);
+        place = first;
+        n += 1;
+        if n < found.rank {
+            collect.power.add(&arrivals[slot as usize]);
+        }
+    }
+    let radius2 = if found.enough { f32::from_bits(place.bits) } else { grid.radius2 };
+    let mut rgb = collect.power.value();
+    if collect.power.is_vague(counted) {
+        let (again, ended) =
+            sum_again(memory, position, place, radius2, GUARD, grid, rows, sites, arrivals, begins);
+        whole = whole && ended;
+        rgb = collect.power.value_or(&again, counted);
+    }
+    let photons = if whole { counted } else { CUT_SHORT };
+    irradiance.set(q, Irradiance { rgb: over_disc(rgb, radius2, grid), photons });
+}

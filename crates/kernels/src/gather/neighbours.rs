@@ -1,0 +1,188 @@
+//! The neighbours themselves, by counting: two stages.
+//!
+//! The first writes the k nearest in the order of the bins in which they were counted, the second puts each bin in order, a
+//! lane an element: no lane ever sorts a list of its own.
+
+use super::counting::{BINS, Bins, COLUMN_LANES, Place, at, find, is_before, take_first};
+use super::{CUT_SHORT, Candidates, GatherParams, search};
+use crate::exec::Store;
+use crate::grid::{Grid, Row};
+use crate::layout::{Neighbour, Query, Site};
+
+/// Shared memory of a workgroup: columns for counters, then columns for lists.
+pub type WideColumns = [u32; (2 * BINS * COLUMN_LANES) as usize];
+
+/// Puts the candidates before a place where their bin has room, and lists those from there on up to an end.
+struct ByBin {
+    lane: u32,
+    /// Index of the query's first neighbour.
+    row: u32,
+    counted: Bins,
+    /// How many of those nearer than all bins have come.
+    nearer: u32,
+    before: Place,
+    end: u32,
+    len: u32,
+}
+
+impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N], A, O> for ByBin {
+    const SHORT: bool = true;
+
+    #[inline]
+    fn bound(&self) -> f32 {
+        f32::from_bits(self.end - 1)
+    }
+
+    #[inline]
+    fn offer(&mut self, memory: &mut [u32; N], output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
+        let bits = distance2.to_bits();
+        if is_before(bits, slot, self.before, sites) {
+            let mut place = self.nearer;
+            if bits < self.counted.first {
+                self.nearer += 1;
+            } else {
+                let bin = at((bits - self.counted.first) >> self.counted.shift, self.lane);
+                place = memory[bin];
+                memory[bin] = place + 1;
+            }
+            output.set(self.row + place, Neighbour { distance2, photon: sites[slot as usize].photon });
+        } else if self.len < BINS {
+            memory[at(BINS + self.len, self.lane)] = slot;
+            self.len += 1;
+        }
+    }
+}
+
+/// Writes the k nearest neighbours of the `i`-th query within the grid's radius to `unordered[q·k ..]`, where `q =
+/// query_order[i]` is the query's index: in the order of bins, but in any order in a bin. `counts[q]` says how many there are, or
+/// [`CUT_SHORT`], and `windows[2q ..]` where bins begin, as bits of a squared distance, and the binary logarithm of their width.
+#[inline]
+pub fn gather_neighbours_by_counting<
+    N: Store<Neighbour> + ?Sized,
+    C: Store<u32> + ?Sized,
+    W: Store<u32> + ?Sized,
+>(
+    i: u32,
+    lane: u32,
+    memory: &mut WideColumns,
+    params: &GatherParams,
+    grid: &Grid,
+    rows: &[Row],
+    queries: &[Query],
+    query_order: &[u32],
+    sites: &[Site],
+    begins: &[u32],
+    unordered: &mut N,
+    counts: &mut C,
+    windows: &mut W,
+) {
+    if i >= params.queries {
+        return;
+    }
+    let q = query_order[i as usize];
+    let query = queries[q as usize];
+    if query.active == 0 {
+        counts.set(q, 0);
+        return;
+    }
+    let position = query.position;
+    let found = find(lane, memory, position, params.k, params, grid, rows, sites, sites, begins);
+    // From numbers in bins to the places of their first.
+    let mut sum = found.nearer;
+    let mut bin = 0;
+    while bin < BINS {
+        let inside = memory[at(bin, lane)];
+        memory[at(bin, lane)] = sum;
+        sum += inside;
+        bin += 1;
+    }
+    let mut before = Place::ALL;
+    if found.enough {
+        before = Place { bits: found.bins.first, index: found.index };
+        if found.rank == 0 {
+            // The last that is wanted is known: it is one of them.
+            before.index += 1;
+        }
+    }
+    let mut by_bin = ByBin {
+        lane,
+        row: q * params.k,
+        counted: found.counted,
+        nearer: 0,
+        before,
+        end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
+        len: 0,
+    };
+    let whole = search(position, grid, rows, sites, sites, begins, memory, unordered, &mut by_bin) && found.whole;
+    let mut n = 0;
+    while n < found.rank && n < by_bin.len {
+        let (first, _) = take_first(memory, lane, BINS, by_bin.len - n, position, sites);
+        let neighbour = Neighbour { distance2: f32::from_bits(first.bits), photon: first.index };
+        unordered.set(q * params.k + found.before + n, neighbour);
+        n += 1;
+    }
+    let count = if found.enough { params.k } else { found.before };
+    counts.set(q, if whole { count } else { CUT_SHORT });
+    windows.set(2 * q, found.counted.first);
+    windows.set(2 * q + 1, found.counted.shift);
+}
+
+/// Puts neighbour `i` of all where it belongs: its bin is in its place, so it only has to be counted which of its bin come before.
+#[inline]
+pub fn order_neighbours<N: Store<Neighbour> + ?Sized>(
+    i: u32,
+    params: &GatherParams,
+    counts: &[u32],
+    windows: &[u32],
+    unordered: &[Neighbour],
+    neighbours: &mut N,
+) {
+    let q = i / params.k;
+    if q >= params.queries {
+        return;
+    }
+    let count = counts[q as usize];
+    let row = q * params.k;
+    let place = i - row;
+    if count == CUT_SHORT || place >= count {
+        return;
+    }
+    let first = windows[(2 * q) as usize];
+    let shift = windows[(2 * q + 1) as usize];
+    let mine = unordered[i as usize];
+    let my_bin = bin_of(mine, first, shift);
+    let mut moves = 0;
+    let mut other = i;
+    while other > row {
+        other -= 1;
+        let neighbour = unordered[other as usize];
+        if bin_of(neighbour, first, shift) != my_bin {
+            other = row;
+        } else if precedes(mine, neighbour) {
+            moves -= 1;
+        }
+    }
+    other = i + 1;
+    while other < row + count {
+        let neighbour = unordered[other as usize];
+        if bin_of(neighbour, first, shift) != my_bin {
+            other = row + count;
+        } else if precedes(neighbour, mine) {
+            moves += 1;
+        }
+        other += 1;
+    }
+    neighbours.set((i as i32 + moves) as u32, mine);
+}
+
+/// Bins from 1; 0 is for all that is nearer.
+#[inline]
+fn bin_of(neighbour: Neighbour, first: u32, shift: u32) -> u32 {
+    let bits = neighbour.distance2.to_bits();
+    if bits < first { 0 } else { ((bits - first) >> shift) + 1 }
+}
+
+#[inline]
+fn precedes(a: Neighbour, b: Neighbour) -> bool {
+    a.distance2 < b.distance2 || (a.distance2 == b.distance2 && a.photon < b.photon)
+}

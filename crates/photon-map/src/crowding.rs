@@ -1,0 +1,102 @@
+//! How wide cells should be, from a sample of the photons.
+
+use crate::MapOptions;
+
+/// Photons that a photon's cell should hold, its own included, on average over all photons: where fewer, a search visits more
+/// rows than it saves candidates, and where more, the other way round (docs/BENCHMARKS.md).
+const OCCUPANCY: f64 = 5.0;
+/// Most positions that are looked at.
+const SAMPLE: usize = 4096;
+/// Pairs in one cell below which chance decides: 1/√64 is 12 %.
+const PAIRS: f64 = 64.0;
+
+/// The width of cells in which a photon finds [`OCCUPANCY`] photons on average, m.
+///
+/// In a sample of m out of n photons, the pairs that share a cell, over all pairs, estimate the chance that two photons do, without
+/// bias, and n times that is the mean occupancy as photons see it: crowds count as often as they have members. Where cells
+/// that small hold too few pairs, the last two widths that have enough are extrapolated.
+pub(crate) fn cell_width(
+    low: [f32; 3],
+    sides: [f64; 3],
+    photons: u64,
+    sample: &[[f32; 3]],
+    options: &MapOptions,
+) -> f64 {
+    let longest = sides.into_iter().fold(0.0, f64::max);
+    if longest == 0.0 || sample.len() < 2 {
+        return f64::from(options.radius);
+    }
+    let stride = sample.len().div_ceil(SAMPLE);
+    let sample: Vec<[f64; 3]> = sample
+        .iter()
+        .step_by(stride)
+        .map(|position| std::array::from_fn(|axis| f64::from(position[axis]) - f64::from(low[axis])))
+        .collect();
+    let all_pairs = sample.len() as f64 * (sample.len() - 1) as f64 / 2.0;
+    let occupancy = |pairs: f64| pairs / all_pairs * photons as f64;
+    // Widths fall by √2; the occupancy of two steps, which is half the width, gives the slope.
+    let mut steps = vec![(longest, all_pairs)];
+    loop {
+        let (width, pairs) = steps[steps.len() - 1];
+        let next = width / std::f64::consts::SQRT_2;
+        let next_pairs = pairs_in_cells(&sample, next);
+        if occupancy(pairs) <= OCCUPANCY || next_pairs < PAIRS || next < longest * 1e-6 {
+            break;
+        }
+        steps.push((next, next_pairs));
+    }
+    let (width, pairs) = steps[steps.len() - 1];
+    let before = steps[steps.len().saturating_sub(3)];
+    // Photons fill lines, surfaces or space.
+    let slope = if before.0 > width { (before.1 / pairs).ln() / (before.0 / width).ln() } else { 3.0 };
+    width * (OCCUPANCY / occupancy(pairs)).powf(1.0 / slope.clamp(1.0, 3.0))
+}
+
+/// Pairs of positions in one cell.
+fn pairs_in_cells(sample: &[[f64; 3]], width: f64) -> f64 {
+    let mut cells: Vec<[u32; 3]> =
+        sample.iter().map(|position| position.map(|x| (x / width) as u32)).collect();
+    cells.sort_unstable();
+    cells.chunk_by(|a, b| a == b).map(|cell| cell.len() as f64 * (cell.len() - 1) as f64 / 2.0).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Hash;
+    use caustic_kernels::num::pcg4d;
+
+    /// Photons in space, on a floor, in a crowd: cells hold about as many as they should.
+    #[test]
+    fn cells_hold_the_photons_that_they_should() {
+        let at = |i: u32| pcg4d([i, 5, 6, 7]).map(|x| x as f32 / 4_294_967_296.0);
+        let space = |i| [at(i)[0], at(i)[1], at(i)[2]];
+        let floor = |i| [at(i)[0], 0.5, at(i)[2]];
+        let crowd = |i| if i % 10 == 0 { space(i) } else { space(i).map(|x| 0.3 + 0.1 * x) };
+        let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None, cell: None };
+        for (n, name, place) in [
+            (100_000, "space", &space as &dyn Fn(u32) -> [f32; 3]),
+            (100_000, "floor", &floor),
+            (1_000_000, "floor", &floor),
+            (100_000, "crowd", &crowd),
+        ] {
+            let positions: Vec<[f32; 3]> = (0..n).map(place).collect();
+            let width = cell_width([0.0; 3], [1.0; 3], u64::from(n), &positions, &options);
+            let whole: Vec<[f64; 3]> = positions.iter().map(|p| p.map(f64::from)).collect();
+            let found = 2.0 * pairs_in_cells(&whole, width) / f64::from(n);
+            assert!((3.0..8.0).contains(&found), "{name}, {n}: {found} a cell {width} wide");
+        }
+    }
+
+    #[test]
+    fn no_sample_or_no_extent_gives_the_radius() {
+        let options = MapOptions { radius: 0.5, hash: Hash::Linear, table: None, cell: None };
+        assert_eq!(cell_width([0.0; 3], [1.0; 3], 100, &[], &options), 0.5);
+        assert_eq!(cell_width([0.0; 3], [0.0; 3], 100, &[[0.0; 3]; 100], &options), 0.5);
+        // All but one in one point: as fine as a step can be, and no endless search.
+        let mut sample = vec![[0.25; 3]; 5000];
+        sample[77] = [1.0; 3];
+        let width = cell_width([0.0; 3], [1.0; 3], 5000, &sample, &options);
+        assert!(width > 0.0 && width < 1e-3, "{width}");
+    }
+}
