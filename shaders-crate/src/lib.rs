@@ -32,7 +32,7 @@ macro_rules! buffer {
 
 macro_rules! entry_points {
     () => {};
-    (each $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident;
+    (each $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident $([$($generic:tt),*])?;
      $($rest:tt)*) => {
         #[spirv(compute(threads($lanes)))]
         pub fn $entry(
@@ -41,7 +41,7 @@ macro_rules! entry_points {
             #[spirv(local_invocation_id)] lane: UVec3,
             $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
         ) {
-            $module::$body((group.y * groups.x + group.x) * $lanes + lane.x, $($arg),*);
+            $module::$body$(::<$($generic),*>)?((group.y * groups.x + group.x) * $lanes + lane.x, $($arg),*);
         }
         entry_points! { $($rest)* }
     };
@@ -74,7 +74,7 @@ macro_rules! entry_points {
         entry_points! { $($rest)* }
     };
     (columns($shared:ty) $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*)
-     = $module:ident::$body:ident; $($rest:tt)*) => {
+     = $module:ident::$body:ident $([$($generic:tt),*])?; $($rest:tt)*) => {
         #[spirv(compute(threads($lanes)))]
         pub fn $entry(
             #[spirv(workgroup_id)] group: UVec3,
@@ -83,7 +83,7 @@ macro_rules! entry_points {
             #[spirv(workgroup)] shared: &mut $shared,
             $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
         ) {
-            $module::$body((group.y * groups.x + group.x) * $lanes + lane.x, lane.x, shared, $($arg),*);
+            $module::$body$(::<$($generic),*>)?((group.y * groups.x + group.x) * $lanes + lane.x, lane.x, shared, $($arg),*);
         }
         entry_points! { $($rest)* }
     };

@@ -56,9 +56,9 @@ pub fn sum_rounded_once(terms: impl Iterator<Item = f32> + Clone, scale: f32) ->
 #[must_use]
 pub fn oracle_irradiance(photons: &[Photon], within: &[Neighbour], k: usize, radius: f32) -> Irradiance {
     let counted = &within[..k.min(within.len())];
-    let scale = photons.iter().flat_map(|photon| photon.power).fold(0.0, f32::max);
+    let scale = |channel: usize| photons.iter().map(|photon| photon.power[channel]).fold(0.0, f32::max);
     let rgb: [f32; 3] = std::array::from_fn(|channel| {
-        sum_rounded_once(counted.iter().map(|neighbour| photons[neighbour.photon as usize].power[channel]), scale)
+        sum_rounded_once(counted.iter().map(|neighbour| photons[neighbour.photon as usize].power[channel]), scale(channel))
     });
     // The disc reaches to the first photon that is not counted; one without extent is replaced by the largest.
     let radius2 = within.get(k).map_or(0.0, |next| next.distance2);

@@ -28,7 +28,7 @@ fn build(device: &Device, set: &PointSet, hash: Hash) -> Built {
     let keys = device.buffer::<u32>("keys", count).unwrap();
     let mut plan = Plan::new();
     let blocks = (count as u32).div_ceil(GRID_BLOCK);
-    let powers = device.buffer::<u32>("powers", u64::from(blocks)).unwrap();
+    let powers = device.buffer::<u32>("powers", 3 * u64::from(blocks)).unwrap();
     plan.groups(Kernel::HashPhotons, blocks, &[&grid, &unsorted, &keys, &powers]);
     device.run(&plan).unwrap();
     let unsorted_keys = device.read(&keys, count).unwrap();

@@ -36,7 +36,7 @@ pub struct Binding {
 
 macro_rules! kernels {
     ($($shape:ident $(($($detail:tt)*))? $name:ident = $entry:ident [$lanes:tt]
-       ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident;)*) => {
+       ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident $([$($generic:tt),*])?;)*) => {
         /// A kernel: one stage of a plan. The list is made from `caustic_kernels::stages!`.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[allow(missing_docs)] // documented where the bodies are
@@ -96,7 +96,7 @@ macro_rules! kernels {
                 match self {
                     $(Self::$name => {
                         $(let $arg = bind!($access $t, bound[$b]);)*
-                        run!($shape $(($($detail)*))?, groups, $lanes, $module::$body, $($access $arg),*);
+                        run!($shape $(($($detail)*))?, groups, $lanes, $module::$body $([$($generic),*])?, $($access $arg),*);
                     })*
                 }
             }
@@ -131,14 +131,14 @@ macro_rules! pass {
 }
 
 macro_rules! run {
-    (each, $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
-        $groups.each($lanes, |i| $module::$body(i, $(pass!($access $arg)),*))
+    (each, $groups:expr, $lanes:tt, $module:ident::$body:ident $([$($generic:tt),*])?, $($access:ident $arg:ident),*) => {
+        $groups.each($lanes, |i| $module::$body$(::<$($generic),*>)?(i, $(pass!($access $arg)),*))
     };
     (gather($container:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
         $groups.each($lanes, |i| $module::$body(i, <$container>::new(), $(pass!($access $arg)),*))
     };
-    (columns($shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
-        $groups.columns::<$shared>($lanes, |i, lane, shared| $module::$body(i, lane, shared, $(pass!($access $arg)),*))
+    (columns($shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident $([$($generic:tt),*])?, $($access:ident $arg:ident),*) => {
+        $groups.columns::<$shared>($lanes, |i, lane, shared| $module::$body$(::<$($generic),*>)?(i, lane, shared, $(pass!($access $arg)),*))
     };
     (group($registers:ty; $shared:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident,
      $($access:ident $arg:ident),*) => {

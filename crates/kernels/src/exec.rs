@@ -8,8 +8,8 @@
 //!   registers `R` or in `shared`; within a phase no lane reads what another lane of that phase writes. So the order
 //!   of lanes does not matter, which the CPU driver shows by running them forward, reversed and shuffled.
 //! * **block**: a group whose lanes also take turns at counters, those of a subgroup in their order ([`Turns`]). The body
-//!   is written for any number of lanes and any size of subgroup: a GPU has 128 lanes in subgroups of 8, 32 or 64, or lanes
-//!   without subgroups, each its own; the CPU has one lane that handles all items itself.
+//!   is written for any number of lanes and any size of subgroup: a GPU has 256 lanes in subgroups of 32 or 64, or 128 in
+//!   subgroups of 8, or lanes without subgroups, each its own; the CPU has one lane that handles all items itself.
 //!
 //! A stage may be given more invocations or workgroups than it has work for; a body ignores those past its last. A whole
 //! workgroup does so together, before its first barrier.
@@ -43,6 +43,8 @@ pub trait Lanes<R> {
 
 /// Values that [`Turns::take_turns`] counts.
 pub const TURN_VALUES: u32 = 256;
+/// Items of a lane that take turns at once: as many chains of dependent operations run side by side.
+pub const TURN_ITEMS: u32 = 8;
 
 /// A workgroup whose lanes can count in order.
 pub trait Turns<R>: Lanes<R> {
@@ -50,10 +52,11 @@ pub trait Turns<R>: Lanes<R> {
     fn lanes(&self) -> u32;
     /// Lanes of a subgroup. Subgroup `s` has the lanes from `s` times this on.
     fn subgroup_lanes(&self) -> u32;
-    /// As if the lanes of each subgroup took turns in their order: a lane chooses a value below [`TURN_VALUES`], or that
-    /// to sit out, and takes `counters[s · TURN_VALUES + value]`, which then goes up by one. Afterwards the lanes of a
-    /// subgroup see each other's counts; those of other subgroups only after the next [`Lanes::each`] began.
-    fn take_turns<const N: usize, V: FnMut(u32, &mut R) -> u32, T: FnMut(u32, &mut R, u32)>(
+    /// As if the lanes of each subgroup took turns in their order, and that [`TURN_ITEMS`] times: for item `j` a lane chooses a
+    /// value below [`TURN_VALUES`], or that to sit out, and takes `counters[s · TURN_VALUES + value]`, which then goes up by one.
+    /// Afterwards the lanes of a subgroup see each other's counts; those of other subgroups only after the next [`Lanes::each`]
+    /// began.
+    fn take_turns<const N: usize, V: FnMut(u32, &mut R, u32) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
         &mut self,
         counters: &mut [u32; N],
         value: V,
@@ -95,18 +98,22 @@ impl<R> Turns<R> for Invocation<R> {
     }
 
     #[inline]
-    fn take_turns<const N: usize, V: FnMut(u32, &mut R) -> u32, T: FnMut(u32, &mut R, u32)>(
+    fn take_turns<const N: usize, V: FnMut(u32, &mut R, u32) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
         &mut self,
         counters: &mut [u32; N],
         mut value: V,
         mut took: T,
     ) {
-        let value = value(self.lane, &mut self.registers);
-        if value < TURN_VALUES {
-            let counter = (self.lane * TURN_VALUES + value) as usize;
-            let count = counters[counter];
-            counters[counter] = count + 1;
-            took(self.lane, &mut self.registers, count);
+        let mut item = 0;
+        while item < TURN_ITEMS {
+            let value = value(self.lane, &mut self.registers, item);
+            if value < TURN_VALUES {
+                let counter = (self.lane * TURN_VALUES + value) as usize;
+                let count = counters[counter];
+                counters[counter] = count + 1;
+                took(self.lane, &mut self.registers, item, count);
+            }
+            item += 1;
         }
     }
 }
@@ -131,7 +138,7 @@ impl<R> Lanes<R> for SubgroupInvocation<R> {
 }
 
 /// Ballots tell a lane which lanes have the same value: a ballot for each of its bits (Ashkiani et al., "GPU Multisplit",
-/// 2016, section 5.1). The first of them counts for all.
+/// 2016, section 5.1). The first of them counts for all. Written out, since drivers do not unroll loops with barriers.
 #[cfg(target_arch = "spirv")]
 impl<R> Turns<R> for SubgroupInvocation<R> {
     #[inline]
@@ -145,42 +152,107 @@ impl<R> Turns<R> for SubgroupInvocation<R> {
     }
 
     #[inline]
-    fn take_turns<const N: usize, V: FnMut(u32, &mut R) -> u32, T: FnMut(u32, &mut R, u32)>(
+    fn take_turns<const N: usize, V: FnMut(u32, &mut R, u32) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
         &mut self,
         counters: &mut [u32; N],
         mut value: V,
         mut took: T,
     ) {
-        use spirv_std::arch::{
-            subgroup_ballot, subgroup_ballot_bit_count, subgroup_ballot_exclusive_bit_count, subgroup_barrier,
-        };
         let lane = self.invocation.lane;
-        let value = value(lane, &mut self.invocation.registers);
-        let counts = value < TURN_VALUES;
-        let mut same = subgroup_ballot(counts);
-        let mut bit = 1;
-        while bit < TURN_VALUES {
-            let is_set = value & bit != 0;
-            let set = subgroup_ballot(is_set);
-            same = if is_set { same & set } else { same & !set };
-            bit *= 2;
-        }
-        let before = subgroup_ballot_exclusive_bit_count(same);
-        let all = subgroup_ballot_bit_count(same);
-        let counter = (self.subgroup * TURN_VALUES + value) as usize;
-        let mut count = 0;
-        if counts {
-            count = counters[counter];
-        }
-        subgroup_barrier();
-        if counts && before == 0 {
-            counters[counter] = count + all;
-        }
-        subgroup_barrier();
-        if counts {
-            took(lane, &mut self.invocation.registers, count + before);
-        }
+        let registers = &mut self.invocation.registers;
+        let table = self.subgroup * TURN_VALUES;
+        let v0 = value(lane, registers, 0);
+        let v1 = value(lane, registers, 1);
+        let v2 = value(lane, registers, 2);
+        let v3 = value(lane, registers, 3);
+        let v4 = value(lane, registers, 4);
+        let v5 = value(lane, registers, 5);
+        let v6 = value(lane, registers, 6);
+        let v7 = value(lane, registers, 7);
+        let p0 = peers(v0);
+        let p1 = peers(v1);
+        let p2 = peers(v2);
+        let p3 = peers(v3);
+        let p4 = peers(v4);
+        let p5 = peers(v5);
+        let p6 = peers(v6);
+        let p7 = peers(v7);
+        let t0 = turn(counters, table, v0, p0);
+        let t1 = turn(counters, table, v1, p1);
+        let t2 = turn(counters, table, v2, p2);
+        let t3 = turn(counters, table, v3, p3);
+        let t4 = turn(counters, table, v4, p4);
+        let t5 = turn(counters, table, v5, p5);
+        let t6 = turn(counters, table, v6, p6);
+        let t7 = turn(counters, table, v7, p7);
+        took(lane, registers, 0, t0);
+        took(lane, registers, 1, t1);
+        took(lane, registers, 2, t2);
+        took(lane, registers, 3, t3);
+        took(lane, registers, 4, t4);
+        took(lane, registers, 5, t5);
+        took(lane, registers, 6, t6);
+        took(lane, registers, 7, t7);
     }
+}
+
+/// How many lanes of the subgroup before this one have the same value, and how many in all; (0, 0) for those that sit out.
+#[cfg(target_arch = "spirv")]
+#[inline]
+fn peers(value: u32) -> [u32; 2] {
+    use spirv_std::arch::{subgroup_ballot, subgroup_ballot_bit_count, subgroup_ballot_exclusive_bit_count};
+    let counts = value < TURN_VALUES;
+    let mut same = subgroup_ballot(counts);
+    same = same & same_bit(value, 1);
+    same = same & same_bit(value, 2);
+    same = same & same_bit(value, 4);
+    same = same & same_bit(value, 8);
+    same = same & same_bit(value, 16);
+    same = same & same_bit(value, 32);
+    same = same & same_bit(value, 64);
+    same = same & same_bit(value, 128);
+    if counts {
+        [subgroup_ballot_exclusive_bit_count(same), subgroup_ballot_bit_count(same)]
+    } else {
+        [0, 0]
+    }
+}
+
+/// The lanes whose value has the same bit.
+#[cfg(target_arch = "spirv")]
+#[inline]
+fn same_bit(value: u32, bit: u32) -> spirv_std::arch::SubgroupMask {
+    let is_set = value & bit != 0;
+    let set = spirv_std::arch::subgroup_ballot(is_set);
+    if is_set { set } else { !set }
+}
+
+/// Takes the counter of a value, and raises it for all lanes that have the value.
+#[cfg(target_arch = "spirv")]
+#[inline]
+fn turn<const N: usize>(counters: &mut [u32; N], table: u32, value: u32, [before, all]: [u32; 2]) -> u32 {
+    let mut count = 0;
+    if all > 0 {
+        count = counters[(table + value) as usize];
+    }
+    subgroup_barrier();
+    if all > 0 && before == 0 {
+        counters[(table + value) as usize] = count + all;
+    }
+    subgroup_barrier();
+    count + before
+}
+
+/// Orders what lanes of a subgroup do in workgroup memory.
+#[cfg(target_arch = "spirv")]
+#[inline]
+fn subgroup_barrier() {
+    use spirv_std::memory::{Scope, Semantics};
+    spirv_std::arch::control_barrier::<
+        { Scope::Subgroup as u32 },
+        { Scope::Subgroup as u32 },
+        { Semantics::ACQUIRE_RELEASE.bits() | Semantics::WORKGROUP_MEMORY.bits() },
+    >();
 }
 
 /// One CPU workgroup: its lanes run one after another, in any order.
@@ -217,19 +289,21 @@ impl<R> Turns<R> for Workgroup<'_, R> {
     }
 
     #[inline]
-    fn take_turns<const N: usize, V: FnMut(u32, &mut R) -> u32, T: FnMut(u32, &mut R, u32)>(
+    fn take_turns<const N: usize, V: FnMut(u32, &mut R, u32) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
         &mut self,
         counters: &mut [u32; N],
         mut value: V,
         mut took: T,
     ) {
-        for (lane, registers) in (0..).zip(self.registers.iter_mut()) {
-            let value = value(lane, registers);
-            if value < TURN_VALUES {
-                let counter = &mut counters[(lane / self.subgroup_lanes * TURN_VALUES + value) as usize];
-                let count = *counter;
-                *counter = count + 1;
-                took(lane, registers, count);
+        for item in 0..TURN_ITEMS {
+            for (lane, registers) in (0..).zip(self.registers.iter_mut()) {
+                let value = value(lane, registers, item);
+                if value < TURN_VALUES {
+                    let counter = &mut counters[(lane / self.subgroup_lanes * TURN_VALUES + value) as usize];
+                    let count = *counter;
+                    *counter = count + 1;
+                    took(lane, registers, item, count);
+                }
             }
         }
     }

@@ -12,26 +12,33 @@
 /// * a parameter `b name: Access T` is the buffer of binding `b`: `One T` a single record and `In T` a slice, both read;
 ///   `Out T` a slice that the stage writes and does not read.
 ///
-/// The order of the bindings is the order of the body's parameters. This list is the only place that says which buffers
+/// A body may be followed by its generic arguments. The order of the bindings is the order of the body's parameters. This list is the only place that says which buffers
 /// a stage has.
 #[macro_export]
 macro_rules! stages {
     ($with:ident) => {
         $with! {
-            subgroups(BlockRegisters; BlockShared) RadixCount = radix_count [128] (
+            subgroups(BlockRegisters; CountShared) RadixCount = radix_count [256] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 histogram: Out u32
             ) = sort::radix_count;
-            lanes(BlockRegisters; BlockShared) RadixCountPlain = radix_count_plain [16] (
+            subgroups(BlockRegisters; NarrowCountShared) RadixCountNarrow = radix_count_narrow [128] (
+                0 pass: One RadixPass, 1 keys: In u32, 2 histogram: Out u32
+            ) = sort::radix_count;
+            lanes(BlockRegisters; NarrowCountShared) RadixCountPlain = radix_count_plain [16] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 histogram: Out u32
             ) = sort::radix_count;
             group([u32; 2]; [u32; 512]) ScanRows = scan_rows [256] (
                 0 params: One ScanParams, 1 input: In u32, 2 sums: Out u32, 3 totals: Out u32
             ) = sort::scan_rows;
-            subgroups(BlockRegisters; BlockShared) RadixScatter = radix_scatter [128] (
+            subgroups(BlockRegisters; ScatterShared) RadixScatter = radix_scatter [256] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 values: In u32, 3 offsets: In u32, 4 digit_totals: In u32,
                 5 keys_out: Out u32, 6 values_out: Out u32
             ) = sort::radix_scatter;
-            lanes(BlockRegisters; BlockShared) RadixScatterPlain = radix_scatter_plain [16] (
+            subgroups(BlockRegisters; ScatterShared) RadixScatterNarrow = radix_scatter_narrow [128] (
+                0 pass: One RadixPass, 1 keys: In u32, 2 values: In u32, 3 offsets: In u32, 4 digit_totals: In u32,
+                5 keys_out: Out u32, 6 values_out: Out u32
+            ) = sort::radix_scatter;
+            lanes(BlockRegisters; ScatterShared) RadixScatterPlain = radix_scatter_plain [16] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 values: In u32, 3 offsets: In u32, 4 digit_totals: In u32,
                 5 keys_out: Out u32, 6 values_out: Out u32
             ) = sort::radix_scatter;
@@ -52,7 +59,11 @@ macro_rules! stages {
             columns(Columns) IrradianceHistogram = irradiance_histogram [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
-            ) = gather::gather_irradiance_by_counting;
+            ) = gather::gather_irradiance_by_counting[true, _];
+            columns(Columns) IrradianceHistogramHashed = irradiance_histogram_hashed [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
+            ) = gather::gather_irradiance_by_counting[false, _];
             gather(Heap<17>) IrradianceHeap17 = irradiance_heap_17 [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
@@ -88,11 +99,19 @@ macro_rules! stages {
             each IrradianceDensity = irradiance_density [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
-            ) = gather::gather_density;
+            ) = gather::gather_density[true, _];
+            each IrradianceDensityHashed = irradiance_density_hashed [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
+            ) = gather::gather_density[false, _];
             columns(WideColumns) NeighboursHistogram = neighbours_histogram [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
-            ) = gather::gather_neighbours_by_counting;
+            ) = gather::gather_neighbours_by_counting[true, _, _, _];
+            columns(WideColumns) NeighboursHistogramHashed = neighbours_histogram_hashed [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
+            ) = gather::gather_neighbours_by_counting[false, _, _, _];
             each OrderNeighbours = order_neighbours [64] (
                 0 params: One GatherParams, 1 counts: In u32, 2 windows: In u32, 3 unordered: In Neighbour,
                 4 neighbours: Out Neighbour

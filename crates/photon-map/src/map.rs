@@ -5,7 +5,7 @@ use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, GatherParams};
-use caustic_kernels::grid::{GRID_BLOCK, Grid};
+use caustic_kernels::grid::{GRID_BLOCK, Grid, HASH_LINEAR};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::num::guard_for;
 
@@ -40,11 +40,11 @@ impl PhotonMap {
         let grid_buffer = device.upload("map: grid", &[grid])?;
         let rows = device.upload("map: rows", &rows(&grid))?;
         let keys = device.buffer::<u32>("sort: keys", u64::from(count))?;
-        let powers = device.buffer::<u32>("map: powers", u64::from(blocks))?;
+        let powers = device.buffer::<u32>("map: powers", 3 * u64::from(blocks))?;
         plan.groups(Kernel::HashPhotons, blocks, &[&grid_buffer, unsorted, &keys, &powers]);
         let sorted = RadixSort::plan(device, plan, &keys, count, key_bits(&grid))?;
         let begins = device.buffer::<u32>("map: cell begins", u64::from(grid.table) + 1)?;
-        let power = device.buffer::<u32>("map: power", 1)?;
+        let power = device.buffer::<u32>("map: power", 3)?;
         let entries = (grid.table + 1).div_ceil(GRID_BLOCK);
         plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
         let sites = device.buffer::<Site>("map: sites", u64::from(count))?;
@@ -105,7 +105,7 @@ impl PhotonMap {
         gather: Gather,
         out: &Buffer,
     ) -> Result<(), MapError> {
-        let kernel = irradiance_kernel(gather, k)?;
+        let kernel = irradiance_kernel(gather, k, self.grid.hash == HASH_LINEAR)?;
         let search = self.plan_search(device, plan, queries, count, k, k + 1)?;
         plan.each(kernel, count, &self.estimate(&search, queries, out));
         Ok(())
@@ -125,7 +125,9 @@ impl PhotonMap {
         out: &Buffer,
     ) -> Result<(), MapError> {
         let search = self.plan_search(device, plan, queries, count, 0, 1)?;
-        plan.each(Kernel::IrradianceDensity, count, &self.estimate(&search, queries, out));
+        let linear = self.grid.hash == HASH_LINEAR;
+        let kernel = if linear { Kernel::IrradianceDensity } else { Kernel::IrradianceDensityHashed };
+        plan.each(kernel, count, &self.estimate(&search, queries, out));
         Ok(())
     }
 
@@ -142,7 +144,7 @@ impl PhotonMap {
         k: u32,
         gather: Gather,
     ) -> Result<Neighbours, MapError> {
-        let kernel = neighbours_kernel(gather, k)?;
+        let kernel = neighbours_kernel(gather, k, self.grid.hash == HASH_LINEAR)?;
         let rows = u64::from(count) * u64::from(k);
         if rows > u64::from(u32::MAX) {
             return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
@@ -152,7 +154,7 @@ impl PhotonMap {
         let counts = device.buffer::<u32>("neighbour counts", u64::from(count))?;
         let search = [&params, &self.grid_buffer, &self.rows, queries, &order, &self.sites, &self.begins];
         let [params, ..] = search;
-        if kernel == Kernel::NeighboursHistogram {
+        if matches!(kernel, Kernel::NeighboursHistogram | Kernel::NeighboursHistogramHashed) {
             let unordered = device.buffer::<Neighbour>("neighbours, unordered", rows)?;
             let windows = device.buffer::<u32>("neighbour windows", 2 * u64::from(count))?;
             plan.each(kernel, count, &[&search[..], &[&unordered, &counts, &windows]].concat());
@@ -226,7 +228,7 @@ impl PhotonMap {
         k: u32,
         gather: Gather,
     ) -> Result<Vec<Vec<Neighbour>>, MapError> {
-        neighbours_kernel(gather, k)?;
+        neighbours_kernel(gather, k, true)?;
         let count = query_count(queries)?;
         let query_buffer = device.upload("queries", queries)?;
         let mut plan = Plan::new();

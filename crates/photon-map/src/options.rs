@@ -71,12 +71,13 @@ pub fn capacity(k: u32) -> Result<u32, MapError> {
 }
 
 /// The kernel that estimates irradiance from `k` photons.
-pub(crate) fn irradiance_kernel(gather: Gather, k: u32) -> Result<Kernel, MapError> {
+pub(crate) fn irradiance_kernel(gather: Gather, k: u32, linear: bool) -> Result<Kernel, MapError> {
     if k == 0 || k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
     Ok(match (gather, capacity(k + 1)?) {
-        (Gather::Histogram | Gather::Auto, _) => Kernel::IrradianceHistogram,
+        (Gather::Histogram | Gather::Auto, _) if linear => Kernel::IrradianceHistogram,
+        (Gather::Histogram | Gather::Auto, _) => Kernel::IrradianceHistogramHashed,
         (Gather::Heap, 17) => Kernel::IrradianceHeap17,
         (Gather::Heap, 65) => Kernel::IrradianceHeap65,
         (Gather::Heap, 257) => Kernel::IrradianceHeap257,
@@ -89,12 +90,13 @@ pub(crate) fn irradiance_kernel(gather: Gather, k: u32) -> Result<Kernel, MapErr
 }
 
 /// The kernel that returns the `k` nearest neighbours.
-pub(crate) fn neighbours_kernel(gather: Gather, k: u32) -> Result<Kernel, MapError> {
+pub(crate) fn neighbours_kernel(gather: Gather, k: u32, linear: bool) -> Result<Kernel, MapError> {
     if k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
     Ok(match (gather, capacity(k)?) {
-        (Gather::Histogram | Gather::Auto, _) => Kernel::NeighboursHistogram,
+        (Gather::Histogram | Gather::Auto, _) if linear => Kernel::NeighboursHistogram,
+        (Gather::Histogram | Gather::Auto, _) => Kernel::NeighboursHistogramHashed,
         (Gather::Heap, 17) => Kernel::NeighboursHeap17,
         (Gather::Heap, 65) => Kernel::NeighboursHeap65,
         (Gather::Heap, 257) => Kernel::NeighboursHeap257,

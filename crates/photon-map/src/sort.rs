@@ -2,7 +2,7 @@
 
 use caustic_device::{Buffer, Device, Kernel, Plan, Result};
 use caustic_kernels::sort::{
-    DIGIT_BITS, DIGITS, MAX_SUBGROUPS, RadixPass, SCAN_BLOCK, SORT_BLOCK, ScanParams, VALUES_GIVEN, VALUES_INDICES,
+    DIGIT_BITS, DIGITS, RadixPass, SCAN_BLOCK, SORT_BLOCK, ScanParams, VALUES_GIVEN, VALUES_INDICES,
     VALUES_NONE,
 };
 
@@ -58,12 +58,11 @@ fn passes(
     let offsets = device.buffer::<u32>("sort: offsets", cells)?;
     let totals = device.buffer::<u32>("sort: digit totals", u64::from(DIGITS))?;
     let scan = device.upload("sort: scan", &[ScanParams { count: DIGITS * blocks, row_length: blocks }])?;
-    // Every subgroup needs counters of its own.
-    let by_ballot = device.subgroup_lanes().is_some_and(|lanes| lanes * MAX_SUBGROUPS >= Kernel::RadixScatter.lanes());
-    let (count_digits, scatter) = if by_ballot || !device.is_gpu() {
-        (Kernel::RadixCount, Kernel::RadixScatter)
-    } else {
-        (Kernel::RadixCountPlain, Kernel::RadixScatterPlain)
+    // Every subgroup needs counters of its own: there is memory for so many. The CPU has one lane for all.
+    let (count_digits, scatter) = match device.subgroup_lanes() {
+        None | Some(2..8) => (Kernel::RadixCountPlain, Kernel::RadixScatterPlain),
+        Some(8..32) => (Kernel::RadixCountNarrow, Kernel::RadixScatterNarrow),
+        Some(_) => (Kernel::RadixCount, Kernel::RadixScatter),
     };
     // One pass at least: it is what fills the order.
     for number in 0..bits.div_ceil(DIGIT_BITS).max(1) {

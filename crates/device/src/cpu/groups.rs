@@ -78,7 +78,7 @@ impl Groups {
         match self.order {
             LaneOrder::Forward => None,
             LaneOrder::Reversed => Some(32),
-            LaneOrder::Shuffled(seed) => Some(8 << (seed % 5)),
+            LaneOrder::Shuffled(seed) => Some(32 << (seed % 3)),
         }
     }
 

@@ -11,27 +11,50 @@
 #![allow(clippy::implicit_saturating_sub)] // rust-gpu 0.10 cannot compile `saturating_sub`
 
 use super::estimate::over_disc;
-use super::power::{Power, larger};
+use super::power::{Power, larger, scale_of};
 use super::{CUT_SHORT, Candidates, GatherParams, distance2, search};
 use crate::exec::Store;
-use crate::grid::{Grid, HASH_LINEAR, MAX_REACH, Row, cell_of, hash_cell};
+use crate::grid::{Grid, MAX_REACH, Row, cell_of, linear};
 use crate::layout::{Arrival, Irradiance, Query, Site};
 use crate::num::GUARD;
 
 /// Lanes of a workgroup that shares out columns.
 pub const COLUMN_LANES: u32 = 64;
-/// Bins of a count, and places of a list: words of a lane's column.
+/// Bins of a count, two to a word.
 pub(super) const BINS: u32 = 32;
+/// Words of a lane for counters, or for a list.
+pub(super) const WORDS: u32 = 16;
+/// Most that a bin counts. More is not asked for.
+const MOST: u32 = 0xffff;
 /// Binary digits of a bin's number.
 const DIGITS: u32 = 5;
 /// Shared memory of a workgroup, a column a lane: word `w` of a lane lies beside the others' words `w`, so that lanes never meet
-/// in a bank.
-pub type Columns = [u32; (BINS * COLUMN_LANES) as usize];
+/// in a bank. It is small because a GPU runs as many workgroups at once as fit its shared memory.
+pub type Columns = [u32; (WORDS * COLUMN_LANES) as usize];
 
 /// Place of word `word` in the column of `lane`.
 #[inline]
 pub(super) fn at(word: u32, lane: u32) -> usize {
     (word * COLUMN_LANES + lane) as usize
+}
+
+/// The count of a bin.
+#[inline]
+pub(super) fn count_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, bin: u32) -> u32 {
+    (memory[at(from + bin % WORDS, lane)] >> (bin & WORDS)) & MOST
+}
+
+/// Counts one more, unless that is too many for a bin; returns how many.
+#[inline]
+fn count<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32, bin: u32) -> u32 {
+    let word = at(from + bin % WORDS, lane);
+    let shift = bin & WORDS;
+    let counts = memory[word];
+    if (counts >> shift) & MOST == MOST {
+        return 0;
+    }
+    memory[word] = counts + (1 << shift);
+    1
 }
 
 /// A place in the order of neighbours.
@@ -93,7 +116,7 @@ struct ByDistance {
     nearer: u32,
     /// Which of them is sought, from 1.
     wanted: u32,
-    /// The last bin that may hold it, and how many are no farther than that bin.
+    /// The last bin that may hold it, and how many are counted no farther than that bin.
     top: u32,
     within: u32,
     bound: f32,
@@ -118,24 +141,24 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByDist
     #[inline]
     fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, _slot: u32, _sites: &[Site], _arrivals: &A) {
         let bits = distance2.to_bits();
-        self.within += 1;
         if bits < self.bins.first {
             self.nearer += 1;
+            self.within += 1;
         } else {
-            memory[at((bits - self.bins.first) >> self.bins.shift, self.lane)] += 1;
+            self.within += count(memory, self.lane, 0, (bits - self.bins.first) >> self.bins.shift);
         }
     }
 
     /// Leaves out what is farther than enough others.
     #[inline]
     fn settle(&mut self, memory: &mut [u32; N]) {
-        let mut far = memory[at(self.top, self.lane)];
+        let mut far = count_of(memory, self.lane, 0, self.top);
         let mut falls = self.top > 0 && self.within - far >= self.wanted;
         while falls {
             self.within -= far;
             self.top -= 1;
             self.bound = f32::from_bits(self.bins.first + ((self.top + 1) << self.bins.shift) - 1);
-            far = memory[at(self.top, self.lane)];
+            far = count_of(memory, self.lane, 0, self.top);
             falls = self.top > 0 && self.within - far >= self.wanted;
         }
     }
@@ -162,7 +185,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
         if distance2.to_bits() == self.bits {
             let index = sites[slot as usize].photon;
             if index >= self.bins.first && index < self.bins.end {
-                memory[at(self.from + ((index - self.bins.first) >> self.bins.shift), self.lane)] += 1;
+                count(memory, self.lane, self.from, (index - self.bins.first) >> self.bins.shift);
             }
         }
     }
@@ -170,10 +193,10 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
 
 #[inline]
 fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
-    let mut bin = 0;
-    while bin < BINS {
-        memory[at(from + bin, lane)] = 0;
-        bin += 1;
+    let mut word = 0;
+    while word < WORDS {
+        memory[at(from + word, lane)] = 0;
+        word += 1;
     }
 }
 
@@ -183,11 +206,11 @@ fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
 fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) -> (u32, u32, u32) {
     let mut bin = 0;
     let mut before = 0;
-    let mut inside = memory[at(from, lane)];
+    let mut inside = count_of(memory, lane, from, 0);
     while bin < BINS && before + inside < rank {
         before += inside;
         bin += 1;
-        inside = if bin < BINS { memory[at(from + bin, lane)] } else { 0 };
+        inside = if bin < BINS { count_of(memory, lane, from, bin) } else { 0 };
     }
     (bin, before, inside)
 }
@@ -197,9 +220,9 @@ fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) ->
 /// The 27 cells around hold n photons in the volume (3c)³. If that is the density, a ball of v photons has the radius
 /// 3c·(v / (4π/3·n))^(1/3). Photons on surfaces lie closer than so in space, so the guess is a little far for them.
 #[inline]
-fn guess(position: [f32; 3], params: &GatherParams, grid: &Grid, rows: &[Row], begins: &[u32]) -> u32 {
+fn guess<const LINEAR: bool>(position: [f32; 3], params: &GatherParams, grid: &Grid, rows: &[Row], begins: &[u32]) -> u32 {
     let last = grid.radius2.to_bits() + 1;
-    if grid.hash != HASH_LINEAR || grid.rows < 9 {
+    if !LINEAR || grid.rows < 9 {
         return last;
     }
     let centre = cell_of(grid, position);
@@ -211,7 +234,7 @@ fn guess(position: [f32; 3], params: &GatherParams, grid: &Grid, rows: &[Row], b
         let y = (centre[1] + rows[row].y).wrapping_sub(MAX_REACH);
         let z = (centre[2] + rows[row].z).wrapping_sub(MAX_REACH);
         if y < grid.cells[1] && z < grid.cells[2] {
-            let entry = hash_cell(grid, [low, y, z]);
+            let entry = linear([low, y, z], grid.cells);
             n += begins[(entry + high - low + 1) as usize] - begins[entry as usize];
         }
         row += 1;
@@ -246,9 +269,9 @@ pub(super) struct Found {
     pub(super) index: u32,
 }
 
-/// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`BINS`] candidates can finish.
+/// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`WORDS`] candidates can finish.
 #[inline]
-pub(super) fn find<const N: usize, A: ?Sized>(
+pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     lane: u32,
     memory: &mut [u32; N],
     position: [f32; 3],
@@ -261,14 +284,14 @@ pub(super) fn find<const N: usize, A: ?Sized>(
     begins: &[u32],
 ) -> Found {
     let last = grid.radius2.to_bits() + 1;
-    let mut bins = Bins::below(guess(position, params, grid, rows, begins));
+    let mut bins = Bins::below(guess::<LINEAR>(position, params, grid, rows, begins));
     let mut found = Found { whole: true, enough: true, counted: bins, bins, nearer: 0, before: 0, rank: 0, index: 0 };
     let mut crowded = false;
     let mut searching = true;
     while searching {
         clear(memory, lane, 0);
         let mut count = ByDistance::new(lane, bins, wanted);
-        found.whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
+        found.whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
         found.counted = bins;
         if count.nearer >= wanted {
             // Only bins of a guess leave out what is nearer.
@@ -279,7 +302,7 @@ pub(super) fn find<const N: usize, A: ?Sized>(
             found.before = count.nearer + before;
             if bin < BINS {
                 found.rank = wanted - found.before;
-                crowded = inside > BINS;
+                crowded = inside > WORDS;
                 searching = crowded && bins.shift > 0;
                 bins = bins.inside(bin);
             } else if bins.end >= last {
@@ -297,13 +320,13 @@ pub(super) fn find<const N: usize, A: ?Sized>(
     found.bins = bins;
 
     // Too many at one distance: their indices decide. Whoever has more memory may still need the counts of distances.
-    let from = if N >= (2 * BINS * COLUMN_LANES) as usize { BINS } else { 0 };
+    let from = if N >= (2 * WORDS * COLUMN_LANES) as usize { WORDS } else { 0 };
     let mut indices = Bins { first: 0, end: 0xffff_ffff, shift: 27 };
     searching = found.enough && crowded && found.whole;
     while searching {
         clear(memory, lane, from);
         let mut count = ByIndex { lane, from, bins: indices, bits: bins.first };
-        found.whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
+        found.whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
         let (bin, before, _) = bin_of(memory, lane, from, found.rank);
         found.rank -= before;
         found.before += before;
@@ -338,7 +361,7 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Collect {
     fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
         if is_before(distance2.to_bits(), slot, self.from, sites) {
             self.power.add(&arrivals[slot as usize]);
-        } else if self.len < BINS {
+        } else if self.len < WORDS {
             memory[at(self.len, self.lane)] = slot;
             self.len += 1;
         }
@@ -384,7 +407,7 @@ struct Again {
     power: Power,
 }
 
-impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Again {
+impl<M: ?Sized, O: ?Sized> Candidates<M, [Arrival], O> for Again {
     const SHORT: bool = true;
 
     #[inline]
@@ -393,7 +416,7 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Again {
     }
 
     #[inline]
-    fn offer(&mut self, _memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
+    fn offer(&mut self, _memory: &mut M, _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
         if is_before(distance2.to_bits(), slot, self.place, sites) {
             if self.sums {
                 self.power.add(&arrivals[slot as usize]);
@@ -406,8 +429,8 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Again {
 
 /// The sum of the candidates before a place, aligned to their own largest, and whether the walks came to their ends.
 #[inline]
-pub(super) fn sum_again<const N: usize>(
-    memory: &mut [u32; N],
+pub(super) fn sum_again<const LINEAR: bool, M: ?Sized>(
+    memory: &mut M,
     position: [f32; 3],
     place: Place,
     radius2: f32,
@@ -422,7 +445,7 @@ pub(super) fn sum_again<const N: usize>(
     let mut whole = true;
     let mut walk = 0;
     while walk < 2 {
-        whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut again) && whole;
+        whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut again) && whole;
         if walk == 0 {
             again.sums = true;
             again.power = Power::new(again.scale, guard);
@@ -434,7 +457,7 @@ pub(super) fn sum_again<const N: usize>(
 
 /// Irradiance at the `i`-th query: [`gather_irradiance`](super::gather_irradiance) without a container.
 #[inline]
-pub fn gather_irradiance_by_counting<I: Store<Irradiance> + ?Sized>(
+pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
     i: u32,
     lane: u32,
     memory: &mut Columns,
@@ -459,17 +482,17 @@ pub fn gather_irradiance_by_counting<I: Store<Irradiance> + ?Sized>(
         return;
     }
     let position = query.position;
-    let found = find(lane, memory, position, params.k + 1, params, grid, rows, sites, arrivals, begins);
+    let found = find::<LINEAR, _, _>(lane, memory, position, params.k + 1, params, grid, rows, sites, arrivals, begins);
     let counted = if found.enough { params.k } else { found.before };
-    let scale = f32::from_bits(power[0]);
+    let scale = scale_of(power);
     let mut collect = Collect {
         lane,
         from: if found.enough { Place { bits: found.bins.first, index: found.index } } else { Place::ALL },
         end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
-        power: Power::new([scale, scale, scale], GUARD),
+        power: Power::new(scale, GUARD),
         len: 0,
     };
-    let mut whole = search(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect) && found.whole;
+    let mut whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect) && found.whole;
     // Those of the list up to the last, which the disc reaches to.
     let mut place = collect.from;
     let mut n = 0;
@@ -483,11 +506,11 @@ pub fn gather_irradiance_by_counting<I: Store<Irradiance> + ?Sized>(
     }
     let radius2 = if found.enough { f32::from_bits(place.bits) } else { grid.radius2 };
     let mut rgb = collect.power.value();
-    if collect.power.is_vague(counted) {
+    if collect.power.is_vague(scale, GUARD, counted) {
         let (again, ended) =
-            sum_again(memory, position, place, radius2, GUARD, grid, rows, sites, arrivals, begins);
+            sum_again::<LINEAR, _>(memory, position, place, radius2, GUARD, grid, rows, sites, arrivals, begins);
         whole = whole && ended;
-        rgb = collect.power.value_or(&again, counted);
+        rgb = collect.power.value_or(&again, scale, GUARD, counted);
     }
     let photons = if whole { counted } else { CUT_SHORT };
     irradiance.set(q, Irradiance { rgb: over_disc(rgb, radius2, grid), photons });

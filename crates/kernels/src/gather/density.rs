@@ -1,14 +1,12 @@
 //! The estimate from all photons within the radius.
 
-use super::counting::{COLUMN_LANES, Place, sum_again};
+use super::counting::{Place, sum_again};
 use super::estimate::over_disc;
-use super::power::Power;
+use super::power::{Power, scale_of};
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::Store;
 use crate::grid::{Grid, Row};
 use crate::layout::{Arrival, Irradiance, Query, Site};
-
-const _: () = assert!(COLUMN_LANES == 64);
 
 /// Sums the power of every candidate.
 struct All {
@@ -35,7 +33,7 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, [Arrival], O> for All {
 /// Irradiance at the `i`-th query from all photons within the grid's radius: their power over the disc π·r_max² (eq. 2.1 with
 /// a fixed radius), one walk through the cells.
 #[inline]
-pub fn gather_density<I: Store<Irradiance> + ?Sized>(
+pub fn gather_density<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
     i: u32,
     params: &GatherParams,
     grid: &Grid,
@@ -57,17 +55,17 @@ pub fn gather_density<I: Store<Irradiance> + ?Sized>(
     if query.active != 0 {
         let position = query.position;
         let radius2 = grid.radius2;
-        let scale = f32::from_bits(power[0]);
-        let mut all = All { radius2, power: Power::new([scale, scale, scale], params.guard), photons: 0 };
-        let mut whole = search(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), &mut all);
+        let scale = scale_of(power);
+        let mut all = All { radius2, power: Power::new(scale, params.guard), photons: 0 };
+        let mut whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), &mut all);
         let mut rgb = all.power.value();
-        if all.power.is_vague(all.photons) {
+        if all.power.is_vague(scale, params.guard, all.photons) {
             let memory = &mut [0u32; 1];
-            let (again, ended) = sum_again(
+            let (again, ended) = sum_again::<LINEAR, _>(
                 memory, position, Place::ALL, radius2, params.guard, grid, rows, sites, arrivals, begins,
             );
             whole = whole && ended;
-            rgb = all.power.value_or(&again, all.photons);
+            rgb = all.power.value_or(&again, scale, params.guard, all.photons);
         }
         result.rgb = over_disc(rgb, radius2, grid);
         result.photons = if whole { all.photons } else { CUT_SHORT };

@@ -1,9 +1,9 @@
 //! What the gathering stages return: the neighbours themselves, or the irradiance they add up to.
 
-use super::power::{Power, larger};
+use super::power::{Power, larger, scale_of};
 use super::{CUT_SHORT, Candidates, GatherParams, Selection, search};
 use crate::exec::Store;
-use crate::grid::{Grid, Row};
+use crate::grid::{Grid, HASH_LINEAR, Row};
 use crate::layout::{Arrival, Irradiance, Neighbour, Query, Site};
 use crate::num::{GUARD, div};
 
@@ -39,7 +39,7 @@ pub fn gather_neighbours<
     selection.reset(params.k, grid.radius2);
     let mut whole = true;
     if query.active != 0 {
-        whole = search(query.position, grid, rows, sites, sites, begins, &mut (), &mut (), &mut selection);
+        whole = search_any(query.position, grid, rows, sites, sites, begins, &mut selection);
         selection.sort(sites);
     }
     let mut n = 0;
@@ -58,7 +58,7 @@ pub fn gather_neighbours<
 /// expected value is then exact, whereas r = r_k overestimates by the factor k / (k − 1) (Fukunaga, "Introduction to
 /// Statistical Pattern Recognition", 1990, section 6.2). With fewer than k + 1 within r_max, the disc is π·r_max².
 ///
-/// `power` is the largest power of any photon, as bits.
+/// `power` is the largest power of any photon in each channel, as bits.
 #[inline]
 pub fn gather_irradiance<S: Selection + Candidates<(), [Arrival], ()>, I: Store<Irradiance> + ?Sized>(
     i: u32,
@@ -82,7 +82,7 @@ pub fn gather_irradiance<S: Selection + Candidates<(), [Arrival], ()>, I: Store<
     let mut result = Irradiance { rgb: [0.0, 0.0, 0.0], photons: 0 };
     if query.active != 0 {
         selection.reset(params.k + 1, grid.radius2);
-        let whole = search(query.position, grid, rows, sites, arrivals, begins, &mut (), &mut (), &mut selection);
+        let whole = search_any(query.position, grid, rows, sites, arrivals, begins, &mut selection);
         let mut radius2 = grid.radius2;
         let mut left_out = NONE;
         result.photons = selection.count();
@@ -91,12 +91,12 @@ pub fn gather_irradiance<S: Selection + Candidates<(), [Arrival], ()>, I: Store<
             left_out = selection.last();
             radius2 = selection.distance2(left_out);
         }
-        let scale = f32::from_bits(power[0]);
-        let sum = sum_power(&selection, left_out, arrivals, [scale, scale, scale]);
+        let scale = scale_of(power);
+        let sum = sum_power(&selection, left_out, arrivals, scale);
         let mut rgb = sum.value();
-        if sum.is_vague(result.photons) {
+        if sum.is_vague(scale, GUARD, result.photons) {
             let again = sum_power(&selection, left_out, arrivals, largest(&selection, left_out, arrivals));
-            rgb = sum.value_or(&again, result.photons);
+            rgb = sum.value_or(&again, scale, GUARD, result.photons);
         }
         result.rgb = over_disc(rgb, radius2, grid);
         if !whole {
@@ -104,6 +104,24 @@ pub fn gather_irradiance<S: Selection + Candidates<(), [Arrival], ()>, I: Store<
         }
     }
     irradiance.set(q, result);
+}
+
+/// A search in a table of either kind.
+#[inline]
+fn search_any<A: ?Sized, S: Candidates<(), A, ()>>(
+    position: [f32; 3],
+    grid: &Grid,
+    rows: &[Row],
+    sites: &[Site],
+    arrivals: &A,
+    begins: &[u32],
+    selection: &mut S,
+) -> bool {
+    if grid.hash == HASH_LINEAR {
+        search::<true, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), selection)
+    } else {
+        search::<false, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), selection)
+    }
 }
 
 /// Power of the selected photons, without the one at `left_out`.

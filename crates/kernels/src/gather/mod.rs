@@ -249,7 +249,7 @@ mod tests {
         let mut heap = Heap::<65>::new();
         heap.reset(64, grid.radius2);
         let (none, begins) = (&(), [0, 40]);
-        assert!(search([1.0, 2.0, 1.0], &grid, &rows, &sites, none, &begins, &mut (), &mut (), &mut heap));
+        assert!(search::<false, _, _, _, _>([1.0, 2.0, 1.0], &grid, &rows, &sites, none, &begins, &mut (), &mut (), &mut heap));
         heap.sort(&sites);
         let found: Vec<_> = (0..heap.count()).map(|i| heap.slot(i)).collect();
         // Itself, then its neighbours in the lattice, by index; there are only five.
@@ -275,7 +275,7 @@ mod tests {
             let mut out = [(); 2].map(|()| vec![Irradiance { rgb: [9.0; 3], photons: 9 }; queries.len()]);
             let params = GatherParams { queries: queries.len() as u32, k, guess: 1.0, guard: 30 };
             let order: Vec<u32> = (0..params.queries).rev().collect();
-            let power = [8f32.to_bits()];
+            let power = [8f32, 0.0, 8.0].map(f32::to_bits);
             // An invocation too many, which must do nothing.
             for i in 0..=params.queries {
                 let list = SortedList::<17>::new();
@@ -284,10 +284,10 @@ mod tests {
                     i, list, &params, &grid, &rows, queries, &order, &sites, &arrivals, &[0, 4], &power, by_list,
                 );
                 let by_counting = out[1].as_mut_slice();
-                gather_irradiance_by_counting(
+                gather_irradiance_by_counting::<false, _>(
                     i,
                     3,
-                    &mut [7; 2048],
+                    &mut [7; 1024],
                     &params,
                     &grid,
                     &rows,

@@ -3,14 +3,14 @@
 //! The first writes the k nearest in the order of the bins in which they were counted, the second puts each bin in order, a
 //! lane an element: no lane ever sorts a list of its own.
 
-use super::counting::{BINS, Bins, COLUMN_LANES, Place, at, find, is_before, take_first};
+use super::counting::{BINS, Bins, COLUMN_LANES, Place, WORDS, at, count_of, find, is_before, take_first};
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::Store;
 use crate::grid::{Grid, Row};
 use crate::layout::{Neighbour, Query, Site};
 
 /// Shared memory of a workgroup: columns for counters, then columns for lists.
-pub type WideColumns = [u32; (2 * BINS * COLUMN_LANES) as usize];
+pub type WideColumns = [u32; (2 * WORDS * COLUMN_LANES) as usize];
 
 /// Puts the candidates before a place where their bin has room, and lists those from there on up to an end.
 struct ByBin {
@@ -41,13 +41,13 @@ impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N
             if bits < self.counted.first {
                 self.nearer += 1;
             } else {
-                let bin = at((bits - self.counted.first) >> self.counted.shift, self.lane);
-                place = memory[bin];
-                memory[bin] = place + 1;
+                let bin = (bits - self.counted.first) >> self.counted.shift;
+                place = count_of(memory, self.lane, 0, bin);
+                memory[at(bin % WORDS, self.lane)] += 1 << (bin & WORDS);
             }
             output.set(self.row + place, Neighbour { distance2, photon: sites[slot as usize].photon });
-        } else if self.len < BINS {
-            memory[at(BINS + self.len, self.lane)] = slot;
+        } else if self.len < WORDS {
+            memory[at(WORDS + self.len, self.lane)] = slot;
             self.len += 1;
         }
     }
@@ -58,6 +58,7 @@ impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N
 /// [`CUT_SHORT`], and `windows[2q ..]` where bins begin, as bits of a squared distance, and the binary logarithm of their width.
 #[inline]
 pub fn gather_neighbours_by_counting<
+    const LINEAR: bool,
     N: Store<Neighbour> + ?Sized,
     C: Store<u32> + ?Sized,
     W: Store<u32> + ?Sized,
@@ -86,13 +87,15 @@ pub fn gather_neighbours_by_counting<
         return;
     }
     let position = query.position;
-    let found = find(lane, memory, position, params.k, params, grid, rows, sites, sites, begins);
-    // From numbers in bins to the places of their first.
+    let found = find::<LINEAR, _, _>(lane, memory, position, params.k, params, grid, rows, sites, sites, begins);
+    // From numbers in bins to the places of their first. Those after the last bin that is wanted do not matter: all they have to
+    // do is fit.
     let mut sum = found.nearer;
     let mut bin = 0;
     while bin < BINS {
-        let inside = memory[at(bin, lane)];
-        memory[at(bin, lane)] = sum;
+        let inside = count_of(memory, lane, 0, bin);
+        let word = at(bin % WORDS, lane);
+        memory[word] = memory[word] - (inside << (bin & WORDS)) + ((sum & 0xffff) << (bin & WORDS));
         sum += inside;
         bin += 1;
     }
@@ -113,10 +116,10 @@ pub fn gather_neighbours_by_counting<
         end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
         len: 0,
     };
-    let whole = search(position, grid, rows, sites, sites, begins, memory, unordered, &mut by_bin) && found.whole;
+    let whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, unordered, &mut by_bin) && found.whole;
     let mut n = 0;
     while n < found.rank && n < by_bin.len {
-        let (first, _) = take_first(memory, lane, BINS, by_bin.len - n, position, sites);
+        let (first, _) = take_first(memory, lane, WORDS, by_bin.len - n, position, sites);
         let neighbour = Neighbour { distance2: f32::from_bits(first.bits), photon: first.index };
         unordered.set(q * params.k + found.before + n, neighbour);
         n += 1;

@@ -7,64 +7,67 @@ use crate::num::{Sum, max};
 ///
 /// Terms are aligned to the largest power of the map, so that one walk is enough. Where a channel is so weak beside it that the
 /// result might not be exact to an `f32` any more, it is [vague](Power::is_vague), and is summed again with a scale of its own:
-/// that is rare, and depends on the terms alone.
+/// that is rare, and depends on the terms alone. A channel that is zero in the whole map is zero.
 #[derive(Clone, Copy)]
 pub(super) struct Power {
-    sums: [Sum; 3],
-    /// All bits of a channel's terms, to know whether there was anything at all.
-    bits: [u32; 3],
-    guard: u32,
+    red: Sum,
+    green: Sum,
+    blue: Sum,
 }
 
 impl Power {
     #[inline]
     pub(super) fn new(scale: [f32; 3], guard: u32) -> Self {
-        Self {
-            sums: [Sum::new(scale[0], guard), Sum::new(scale[1], guard), Sum::new(scale[2], guard)],
-            bits: [0; 3],
-            guard,
-        }
+        Self { red: Sum::new(scale[0], guard), green: Sum::new(scale[1], guard), blue: Sum::new(scale[2], guard) }
     }
 
     #[inline]
     pub(super) fn add(&mut self, arrival: &Arrival) {
         let power = arrival.power;
-        self.sums[0].add(power[0]);
-        self.sums[1].add(power[1]);
-        self.sums[2].add(power[2]);
-        self.bits = [
-            self.bits[0] | power[0].to_bits(),
-            self.bits[1] | power[1].to_bits(),
-            self.bits[2] | power[2].to_bits(),
-        ];
+        self.red.add(power[0]);
+        self.green.add(power[1]);
+        self.blue.add(power[2]);
     }
 
+    /// Which channels have to be summed again.
     #[inline]
-    fn channel_is_vague(&self, channel: usize, terms: u32) -> bool {
-        self.bits[channel] >> 23 != 0 && self.sums[channel].is_vague(terms, self.guard)
+    fn vague(&self, scale: [f32; 3], guard: u32, terms: u32) -> [bool; 3] {
+        [
+            scale[0] > 0.0 && self.red.is_vague(terms, guard),
+            scale[1] > 0.0 && self.green.is_vague(terms, guard),
+            scale[2] > 0.0 && self.blue.is_vague(terms, guard),
+        ]
     }
 
     /// Whether a channel has to be summed again.
     #[inline]
-    pub(super) fn is_vague(&self, terms: u32) -> bool {
-        self.channel_is_vague(0, terms) || self.channel_is_vague(1, terms) || self.channel_is_vague(2, terms)
+    pub(super) fn is_vague(&self, scale: [f32; 3], guard: u32, terms: u32) -> bool {
+        let vague = self.vague(scale, guard, terms);
+        vague[0] || vague[1] || vague[2]
     }
 
     #[inline]
     pub(super) fn value(&self) -> [f32; 3] {
-        [self.sums[0].value(), self.sums[1].value(), self.sums[2].value()]
+        [self.red.value(), self.green.value(), self.blue.value()]
     }
 
     /// The sums, those that are vague taken from `again`.
     #[inline]
-    pub(super) fn value_or(&self, again: &Self, terms: u32) -> [f32; 3] {
+    pub(super) fn value_or(&self, again: &Self, scale: [f32; 3], guard: u32, terms: u32) -> [f32; 3] {
+        let vague = self.vague(scale, guard, terms);
         let (first, second) = (self.value(), again.value());
         [
-            if self.channel_is_vague(0, terms) { second[0] } else { first[0] },
-            if self.channel_is_vague(1, terms) { second[1] } else { first[1] },
-            if self.channel_is_vague(2, terms) { second[2] } else { first[2] },
+            if vague[0] { second[0] } else { first[0] },
+            if vague[1] { second[1] } else { first[1] },
+            if vague[2] { second[2] } else { first[2] },
         ]
     }
+}
+
+/// The largest powers of the map, which the construction left as bits.
+#[inline]
+pub(super) fn scale_of(power: &[u32]) -> [f32; 3] {
+    [f32::from_bits(power[0]), f32::from_bits(power[1]), f32::from_bits(power[2])]
 }
 
 /// The larger of each channel.

@@ -1,7 +1,7 @@
 //! The walk through the cells around a query.
 
 use super::Candidates;
-use crate::grid::{Grid, HASH_LINEAR, MAX_REACH, Row, axis_cell, cell_of, coordinates, gap, hash_cell};
+use crate::grid::{Grid, MAX_REACH, Row, axis_cell, cell_of, coordinates, gap, hash_cell, linear};
 use crate::layout::Site;
 
 /// Squared distances below 2⁻⁷⁴ m² count as none: then it does not show whether a device flushes products that are subnormal.
@@ -33,11 +33,13 @@ pub fn root_above(x: f32) -> f32 {
 /// Rows of cells come nearest first, each trimmed to the cells that the bound reaches. In a table of linear cell numbers what is
 /// left of a row is one run of photons; otherwise each of its cells has its own.
 ///
+/// `LINEAR` says that the table has linear cell numbers.
+///
 /// Returns whether the walk came to its end. It always does, unless the device ends loops early, as llvmpipe does after
 /// 65,535 iterations.
 #[inline]
 #[must_use]
-pub fn search<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
+pub fn search<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     position: [f32; 3],
     grid: &Grid,
     rows: &[Row],
@@ -77,22 +79,21 @@ pub fn search<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
                 let end_x = if high < last { high as u32 } else { grid.cells[0] - 1 };
                 while x <= end_x {
                     let cell = [x, y, z];
-                    let entry = hash_cell(grid, cell);
-                    let mut entries = 1;
-                    if grid.hash == HASH_LINEAR {
-                        entries = end_x - x + 1;
-                    }
+                    let entry = if LINEAR { linear(cell, grid.cells) } else { hash_cell(grid, cell) };
+                    let entries = if LINEAR { end_x - x + 1 } else { 1 };
                     x += entries;
                     let mut slot = begins[entry as usize];
                     let end = begins[(entry + entries) as usize];
+                    while C::SHORT && slot + 4 <= end {
+                        consider::<LINEAR, _, _, _, _>(slot, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        consider::<LINEAR, _, _, _, _>(slot + 1, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        consider::<LINEAR, _, _, _, _>(slot + 2, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        consider::<LINEAR, _, _, _, _>(slot + 3, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        slot += 4;
+                    }
                     while slot < end {
-                        consider(slot, end, position, cell, grid, sites, arrivals, memory, output, candidates);
-                        if C::SHORT {
-                            consider(slot + 1, end, position, cell, grid, sites, arrivals, memory, output, candidates);
-                            consider(slot + 2, end, position, cell, grid, sites, arrivals, memory, output, candidates);
-                            consider(slot + 3, end, position, cell, grid, sites, arrivals, memory, output, candidates);
-                        }
-                        slot += if C::SHORT { 4 } else { 1 };
+                        consider::<LINEAR, _, _, _, _>(slot, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        slot += 1;
                     }
                     whole = whole && slot >= end;
                 }
@@ -105,11 +106,10 @@ pub fn search<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     whole && n >= end_of_rows
 }
 
-/// Offers the photon at `slot` of `cell`'s table entry, which stops before `end`.
+/// Offers the photon at `slot` of `cell`'s table entry.
 #[inline]
-fn consider<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
+fn consider<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     slot: u32,
-    end: u32,
     position: [f32; 3],
     cell: [u32; 3],
     grid: &Grid,
@@ -119,15 +119,11 @@ fn consider<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     output: &mut O,
     candidates: &mut C,
 ) {
-    if slot < end {
-        let site = sites[slot as usize];
-        let d2 = distance2(position, site.position);
-        // Several cells may share a table entry: a photon counts only where it lies, hence never twice.
-        if d2 <= candidates.bound()
-            && (grid.hash == HASH_LINEAR || same_cell(cell_of(grid, site.position), cell))
-        {
-            candidates.offer(memory, output, d2, slot, sites, arrivals);
-        }
+    let site = sites[slot as usize];
+    let d2 = distance2(position, site.position);
+    // Several cells may share a table entry: a photon counts only where it lies, hence never twice.
+    if d2 <= candidates.bound() && (LINEAR || same_cell(cell_of(grid, site.position), cell)) {
+        candidates.offer(memory, output, d2, slot, sites, arrivals);
     }
 }
 

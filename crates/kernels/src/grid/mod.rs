@@ -157,12 +157,13 @@ mod tests {
             let grid = Grid { photons: keys.len() as u32, ..grid(HASH_MORTON, table) };
             let expected: Vec<u32> = (0..=table).map(|entry| keys.partition_point(|&key| key < entry) as u32).collect();
             let blocks = keys.len().div_ceil(GRID_BLOCK as usize);
-            let powers: Vec<u32> = (0..blocks as u32).map(|block| block * 7 % 5).collect();
+            let powers: Vec<u32> = (0..3 * blocks as u32).map(|n| n * 7 % 11).collect();
+            let largest = |channel: usize| powers.iter().skip(channel).step_by(3).copied().max().unwrap_or(0);
             for one in [false, true] {
-                let (mut begins, mut power) = (vec![9; table as usize + 1], [99]);
+                let (mut begins, mut power) = (vec![9; table as usize + 1], [99; 3]);
                 // A workgroup too many, which must do nothing.
                 for group in 0..(table + 1).div_ceil(GRID_BLOCK) + 1 {
-                    let (shared, begins, power) = (&mut [9; 256], begins.as_mut_slice(), power.as_mut_slice());
+                    let (shared, begins, power) = (&mut [9; 768], begins.as_mut_slice(), power.as_mut_slice());
                     if one {
                         cell_begins(workgroup!(1), group, shared, &grid, keys, &powers, begins, power);
                     } else {
@@ -170,7 +171,7 @@ mod tests {
                     }
                 }
                 assert!(begins == expected, "{} keys", keys.len());
-                assert_eq!(power[0], powers.iter().copied().max().unwrap_or(0));
+                assert_eq!(power, [0, 1, 2].map(largest));
             }
         };
         check(8, &[]);
@@ -199,9 +200,9 @@ mod tests {
         let grid = Grid { photons: 4998, ..grid(HASH_LINEAR, 30) };
         let expected: Vec<_> = photons[..4998].iter().map(|p| linear(cell_of(&grid, p.position), grid.cells)).collect();
         for one in [false, true] {
-            let (mut keys, mut powers) = (vec![99; 5000], [99; 3]);
+            let (mut keys, mut powers) = (vec![99; 5000], [99; 9]);
             for group in 0..3 {
-                let (shared, keys, powers) = (&mut [9; 256], keys.as_mut_slice(), powers.as_mut_slice());
+                let (shared, keys, powers) = (&mut [9; 768], keys.as_mut_slice(), powers.as_mut_slice());
                 if one {
                     hash_photons(workgroup!(1), group, shared, &grid, &photons, keys, powers);
                 } else {
@@ -209,7 +210,8 @@ mod tests {
                 }
             }
             assert!((&keys[..4998], &keys[4998..]) == (&expected[..], &[99, 99][..]));
-            assert_eq!(powers, [4095f32.to_bits(), 4566f32.to_bits(), 99]);
+            let bits = f32::to_bits;
+            assert_eq!(powers, [0, bits(1.0), bits(4095.0), 0, bits(1.0), bits(4566.0), 99, 99, 99]);
         }
         let (mut sites, mut arrivals) = (vec![Site::default(); 6], vec![Arrival::default(); 6]);
         let grid = Grid { photons: 4, ..grid };

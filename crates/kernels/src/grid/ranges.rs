@@ -8,16 +8,16 @@ use crate::layout::{Arrival, Photon, Query, Site};
 pub const GRID_BLOCK: u32 = crate::sort::SORT_BLOCK;
 
 /// Shared memory of a workgroup that looks for the largest of its numbers.
-pub type LargestShared = [u32; 256];
+pub type LargestShared = [u32; 768];
 
 /// Registers of a lane that handles `N` items.
 #[derive(Clone, Copy, Default)]
 pub struct GridRegisters<const N: usize> {
-    largest: u32,
+    largest: [u32; 3],
 }
 
-/// The unsorted list of hash values, and the largest power in each block, as bits: those of floats that are not negative are
-/// in the order of the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
+/// The unsorted list of hash values, and the largest power in each block and channel, as bits: those of floats that are not
+/// negative are in the order of the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
 #[inline]
 pub fn hash_photons<
     const N: usize,
@@ -39,7 +39,7 @@ pub fn hash_photons<
     }
     let count = lanes.lanes();
     lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
-        r.largest = 0;
+        r.largest = [0; 3];
         let mut item = 0;
         while item < N as u32 {
             let i = first + item * count + lane;
@@ -47,33 +47,52 @@ pub fn hash_photons<
                 let photon = photons[i as usize];
                 keys.set(i, hash_cell(grid, cell_of(grid, photon.position)));
                 let power = photon.power;
-                r.largest = larger(larger(r.largest, power[0].to_bits()), larger(power[1].to_bits(), power[2].to_bits()));
+                r.largest = larger(r.largest, [power[0].to_bits(), power[1].to_bits(), power[2].to_bits()]);
             }
             item += 1;
         }
-        shared[lane as usize] = r.largest;
+        put(shared, lane, r.largest);
     });
     largest(lanes, shared);
     lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
         if lane == 0 {
-            powers.set(group, shared[0]);
+            powers.set(3 * group, shared[0]);
+            powers.set(3 * group + 1, shared[1]);
+            powers.set(3 * group + 2, shared[2]);
         }
     });
 }
 
 #[inline]
-fn larger(a: u32, b: u32) -> u32 {
-    if a < b { b } else { a }
+fn larger(a: [u32; 3], b: [u32; 3]) -> [u32; 3] {
+    [
+        if a[0] < b[0] { b[0] } else { a[0] },
+        if a[1] < b[1] { b[1] } else { a[1] },
+        if a[2] < b[2] { b[2] } else { a[2] },
+    ]
 }
 
-/// Leaves the largest of the lanes' numbers in `shared[0]`.
+#[inline]
+fn put(shared: &mut LargestShared, lane: u32, numbers: [u32; 3]) {
+    shared[(3 * lane) as usize] = numbers[0];
+    shared[(3 * lane + 1) as usize] = numbers[1];
+    shared[(3 * lane + 2) as usize] = numbers[2];
+}
+
+#[inline]
+fn get(shared: &LargestShared, lane: u32) -> [u32; 3] {
+    [shared[(3 * lane) as usize], shared[(3 * lane + 1) as usize], shared[(3 * lane + 2) as usize]]
+}
+
+/// Leaves the largest of the lanes' numbers at the beginning of `shared`.
 #[inline]
 fn largest<const N: usize, L: Turns<GridRegisters<N>>>(lanes: &mut L, shared: &mut LargestShared) {
     let mut half = lanes.lanes() / 2;
     while half > 0 {
         lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
             if lane < half {
-                shared[lane as usize] = larger(shared[lane as usize], shared[(lane + half) as usize]);
+                let numbers = larger(get(shared, lane), get(shared, lane + half));
+                put(shared, lane, numbers);
             }
         });
         half /= 2;
@@ -83,7 +102,7 @@ fn largest<const N: usize, L: Turns<GridRegisters<N>>>(lanes: &mut L, shared: &m
 /// Where each table entry begins in the sorted list: the first place whose key is not below it. An entry ends where the next
 /// begins, neighbouring entries are one run, and entries without photons need no clearing. There is one begin more than entries.
 ///
-/// The first workgroup also finds the largest of all `powers`.
+/// The first workgroup also finds the largest of all `powers` in each channel.
 #[inline]
 pub fn cell_begins<
     const N: usize,
@@ -104,18 +123,21 @@ pub fn cell_begins<
     if group == 0 {
         let blocks = (grid.photons + GRID_BLOCK - 1) / GRID_BLOCK;
         lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
-            r.largest = 0;
+            r.largest = [0; 3];
             let mut block = lane;
             while block < blocks {
-                r.largest = larger(r.largest, powers[block as usize]);
+                let first = (3 * block) as usize;
+                r.largest = larger(r.largest, [powers[first], powers[first + 1], powers[first + 2]]);
                 block += count;
             }
-            shared[lane as usize] = r.largest;
+            put(shared, lane, r.largest);
         });
         largest(lanes, shared);
         lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
             if lane == 0 {
                 power.set(0, shared[0]);
+                power.set(1, shared[1]);
+                power.set(2, shared[2]);
             }
         });
     }

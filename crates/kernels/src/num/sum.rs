@@ -41,23 +41,18 @@ impl Sum {
     pub fn add(&mut self, term: f32) {
         let bits = term.to_bits();
         let exponent = (bits >> 23) as i32;
-        let significand = (bits & 0x007f_ffff) | 0x0080_0000;
+        // Zero, and what is subnormal, has no leading bit.
+        let significand = if exponent == 0 { 0 } else { (bits & 0x007f_ffff) | 0x0080_0000 };
         let up = exponent - self.zero;
         let mut high = 0;
         let mut low = 0;
         if up >= 0 {
-            low = significand << (up as u32 & 31);
-            // The significand has 24 bits: up to eight places it stays in the low word.
-            if up > 8 {
-                high = significand >> (32 - up as u32);
-            }
+            let up = up as u32 & 31;
+            low = significand << up;
+            // In two steps, for a shift by 32 is none.
+            high = (significand >> 1) >> (31 - up);
         } else if up > -24 {
             low = significand >> (0 - up) as u32;
-        }
-        // Zero has no leading bit.
-        if exponent == 0 {
-            high = 0;
-            low = 0;
         }
         let sum = self.low.wrapping_add(low);
         let carry = if sum < low { 1 } else { 0 };

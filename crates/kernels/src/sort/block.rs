@@ -1,26 +1,9 @@
 //! What counting and scattering share: a block of pairs, and who handles which of them.
 
 use super::{DIGITS, RadixPass, SORT_BLOCK, digit};
-use crate::exec::{TURN_VALUES, Turns};
-
-/// Most subgroups of a sorting workgroup: for each there is a counter a digit.
-pub const MAX_SUBGROUPS: u32 = 16;
-/// Words of shared memory for counters; afterwards, for the block in its new order.
-const COUNTERS: u32 = MAX_SUBGROUPS * DIGITS;
-/// Where the block's pairs of each digit begin in the block …
-pub(super) const STARTS: u32 = COUNTERS;
-/// … and in the output.
-pub(super) const PLACES: u32 = STARTS + DIGITS;
-/// One word a lane, for sums across lanes.
-const SUMS: u32 = PLACES + DIGITS;
-
-/// Shared memory of a sorting workgroup.
-pub type BlockShared = [u32; 4864];
-
-const _: () = assert!(DIGITS == TURN_VALUES && COUNTERS >= SORT_BLOCK && SUMS + 256 == 4864);
+use crate::exec::{TURN_ITEMS, TURN_VALUES, Turns};
 
 /// Registers of a lane that handles `N` items.
-#[repr(C)]
 #[derive(Clone, Copy)]
 pub struct BlockRegisters<const N: usize> {
     /// How many pairs of its digit come before an item in its subgroup; then its place in the block.
@@ -38,70 +21,75 @@ impl<const N: usize> Default for BlockRegisters<N> {
     }
 }
 
-/// The place in the block of item `item` of a lane: a subgroup's items are consecutive, and so are those that its lanes
-/// handle together.
+/// Where the items of a lane are in the block: the first, and the step to the next. A subgroup's items are consecutive, and so
+/// are those that its lanes handle together.
 #[inline]
-pub(super) fn item_of(lane: u32, item: u32, subgroup_lanes: u32, items: u32) -> u32 {
-    (lane / subgroup_lanes * items + item) * subgroup_lanes + lane % subgroup_lanes
+pub(super) fn items_of(lane: u32, subgroup_lanes: u32, items: u32) -> [u32; 2] {
+    let subgroup = lane / subgroup_lanes;
+    [subgroup * items * subgroup_lanes + (lane - subgroup * subgroup_lanes), subgroup_lanes]
 }
 
 /// Counts the digits of block `group` by subgroup: `shared[s · DIGITS + digit]`. Keeps each item's key, and its rank among the
-/// items of its digit in its subgroup.
+/// items of its digit in its subgroup, if `KEEP` says so.
 #[inline]
-pub(super) fn count_digits<const N: usize, L: Turns<BlockRegisters<N>>>(
+pub(super) fn count_digits<const KEEP: bool, const N: usize, const W: usize, L: Turns<BlockRegisters<N>>>(
     lanes: &mut L,
     group: u32,
-    shared: &mut BlockShared,
+    shared: &mut [u32; W],
     pass: &RadixPass,
     keys: &[u32],
 ) {
+    const { assert!(DIGITS == TURN_VALUES && (N as u32).is_multiple_of(TURN_ITEMS)) };
     let count = lanes.lanes();
-    let subgroup = lanes.subgroup_lanes();
-    lanes.each(shared, move |lane, _, shared: &mut BlockShared| {
+    let subgroup_lanes = lanes.subgroup_lanes();
+    lanes.each(shared, move |lane, _, shared: &mut [u32; W]| {
         let mut at = lane;
-        while at < count / subgroup * DIGITS {
+        while at < count / subgroup_lanes * DIGITS {
             shared[at as usize] = 0;
             at += count;
         }
     });
-    let first = group * SORT_BLOCK;
     let shift = pass.shift;
     let end = pass.count;
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, _: &mut BlockShared| {
-        let mut item = 0;
-        while item < N as u32 {
-            let i = first + item_of(lane, item, subgroup, N as u32);
-            if i < end {
-                r.keys[item as usize] = keys[i as usize];
-            }
-            item += 1;
-        }
-    });
     let mut item = 0;
     while item < N as u32 {
         lanes.take_turns(
             shared,
-            move |lane, r: &mut BlockRegisters<N>| {
-                let i = first + item_of(lane, item, subgroup, N as u32);
-                if i < end { digit(r.keys[item as usize], shift) } else { DIGITS }
+            move |lane, r: &mut BlockRegisters<N>, j| {
+                let [first, step] = items_of(lane, subgroup_lanes, N as u32);
+                let i = group * SORT_BLOCK + first + (item + j) * step;
+                let mut value = DIGITS;
+                if i < end {
+                    let key = keys[i as usize];
+                    value = digit(key, shift);
+                    if KEEP {
+                        r.keys[(item + j) as usize] = key;
+                    }
+                }
+                value
             },
-            move |_, r: &mut BlockRegisters<N>, rank| r.ranks[item as usize] = rank,
+            move |_, r: &mut BlockRegisters<N>, j, rank| {
+                if KEEP {
+                    r.ranks[(item + j) as usize] = rank;
+                }
+            },
         );
-        item += 1;
+        item += TURN_ITEMS;
     }
-    lanes.each(shared, move |_, _, _: &mut BlockShared| {});
+    lanes.each(shared, move |_, _, _: &mut [u32; W]| {});
 }
 
-/// Replaces the [`DIGITS`] words from `at` on by their exclusive prefix sums.
+/// Replaces the [`DIGITS`] words from `at` on by their exclusive prefix sums. From `scratch` on, a word a lane is used.
 #[inline]
-pub(super) fn scan_digits<const N: usize, L: Turns<BlockRegisters<N>>>(
+pub(super) fn scan_digits<const N: usize, const W: usize, L: Turns<BlockRegisters<N>>>(
     lanes: &mut L,
-    shared: &mut BlockShared,
+    shared: &mut [u32; W],
     at: u32,
+    scratch: u32,
 ) {
     let count = lanes.lanes();
     let each = DIGITS / count;
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
         let mut sum = 0;
         let mut j = 0;
         while j < each {
@@ -109,21 +97,21 @@ pub(super) fn scan_digits<const N: usize, L: Turns<BlockRegisters<N>>>(
             j += 1;
         }
         r.sums[0] = sum;
-        shared[(SUMS + lane) as usize] = sum;
+        shared[(scratch + lane) as usize] = sum;
     });
     // Hillis and Steele 1986, in two phases a step.
     let mut step = 1;
     while step < count {
-        lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
-            r.sums[1] = if lane >= step { shared[(SUMS + lane - step) as usize] } else { 0 };
+        lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
+            r.sums[1] = if lane >= step { shared[(scratch + lane - step) as usize] } else { 0 };
         });
-        lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
-            shared[(SUMS + lane) as usize] += r.sums[1];
+        lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
+            shared[(scratch + lane) as usize] += r.sums[1];
         });
         step *= 2;
     }
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
-        let mut sum = shared[(SUMS + lane) as usize] - r.sums[0];
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
+        let mut sum = shared[(scratch + lane) as usize] - r.sums[0];
         let mut j = 0;
         while j < each {
             let word = (at + lane * each + j) as usize;

@@ -1,8 +1,17 @@
 //! Last stage of a radix pass: every pair to its place.
 
-use super::block::{BlockRegisters, BlockShared, PLACES, STARTS, count_digits, item_of, scan_digits};
+use super::block::{BlockRegisters, count_digits, items_of, scan_digits};
 use super::{DIGITS, RadixPass, SORT_BLOCK, VALUES_INDICES, VALUES_NONE, digit};
 use crate::exec::{Store, Turns};
+
+/// Shared memory of a scattering workgroup: counters of up to 16 subgroups and then the block in its new order …
+pub type ScatterShared = [u32; 4864];
+/// … where the pairs of each digit begin in the block …
+const STARTS: u32 = SORT_BLOCK;
+/// … and in the output …
+const PLACES: u32 = STARTS + DIGITS;
+/// … and a word a lane.
+const SCRATCH: u32 = PLACES + DIGITS;
 
 /// Writes the pairs of block `group` to their places in the order of this digit, equal digits keeping their order.
 ///
@@ -17,7 +26,7 @@ pub fn radix_scatter<
 >(
     lanes: &mut L,
     group: u32,
-    shared: &mut BlockShared,
+    shared: &mut ScatterShared,
     pass: &RadixPass,
     keys: &[u32],
     values: &[u32],
@@ -36,8 +45,8 @@ pub fn radix_scatter<
     let shift = pass.shift;
 
     // 1. Ranks within subgroups; then how many of a digit are in earlier subgroups, and in all.
-    count_digits(lanes, group, shared, pass, keys);
-    lanes.each(shared, move |lane, _, shared: &mut BlockShared| {
+    count_digits::<true, N, _, L>(lanes, group, shared, pass, keys);
+    lanes.each(shared, move |lane, _, shared: &mut ScatterShared| {
         let mut digit = lane;
         while digit < DIGITS {
             let mut sum = 0;
@@ -55,22 +64,24 @@ pub fn radix_scatter<
         }
     });
     // 2. Where digits begin, in the block and in the output.
-    scan_digits(lanes, shared, STARTS);
-    scan_digits(lanes, shared, PLACES);
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+    scan_digits(lanes, shared, STARTS, SCRATCH);
+    scan_digits(lanes, shared, PLACES, SCRATCH);
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
+        let table = lane / subgroup * DIGITS;
         let mut item = 0;
         while item < N as u32 {
             let d = digit(r.keys[item as usize], shift);
-            let before = shared[(lane / subgroup * DIGITS + d) as usize];
+            let before = shared[(table + d) as usize];
             r.ranks[item as usize] += before + shared[(STARTS + d) as usize];
             item += 1;
         }
     });
     // 3. The keys in order, in the counters' memory.
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
+        let [first, step] = items_of(lane, subgroup, N as u32);
         let mut item = 0;
         while item < N as u32 {
-            if item_of(lane, item, subgroup, N as u32) < size {
+            if first + item * step < size {
                 shared[r.ranks[item as usize] as usize] = r.keys[item as usize];
             }
             item += 1;
@@ -84,7 +95,7 @@ pub fn radix_scatter<
             digit += count;
         }
     });
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
         let mut item = 0;
         while item < N as u32 {
             let i = item * count + lane;
@@ -101,10 +112,11 @@ pub fn radix_scatter<
     if pass.values == VALUES_NONE {
         return;
     }
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
+        let [of_lane, step] = items_of(lane, subgroup, N as u32);
         let mut item = 0;
         while item < N as u32 {
-            let at = item_of(lane, item, subgroup, N as u32);
+            let at = of_lane + item * step;
             if at < size {
                 let mut value = first + at;
                 if pass.values != VALUES_INDICES {
@@ -115,7 +127,7 @@ pub fn radix_scatter<
             item += 1;
         }
     });
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut BlockShared| {
+    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
         let mut item = 0;
         while item < N as u32 {
             let i = item * count + lane;
