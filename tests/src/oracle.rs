@@ -27,29 +27,20 @@ pub fn oracle_k_nearest(photons: &[Photon], query: [f32; 3], k: usize, radius: f
     found
 }
 
-/// The sum of up to 1024 positive floats, each cut off 53 bits below the first of `scale`, rounded to the nearest float; or, if
-/// that is less than 2⁻¹⁷ of the scale a term, 53 bits below the first of the largest. It is what the gathers promise, by 128-bit
-/// integers and the conversions of the standard library.
+/// The sum of positive floats, each cut off 66 bits below the first of `scale`, rounded to the nearest float: what the gathers
+/// promise, by 128-bit integers and the conversions of the standard library.
 #[must_use]
-pub fn sum_rounded_once(terms: impl Iterator<Item = f32> + Clone, scale: f32) -> f32 {
+pub fn sum_rounded_once(terms: impl Iterator<Item = f32>, scale: f32) -> f32 {
     let exponent = |term: f32| (term.to_bits() >> 23) as i32;
-    let sum_to = |largest: i32| -> i128 {
-        let scaled = |term: f32| {
-            let significand = i128::from(term.to_bits() & 0x007f_ffff | 0x0080_0000) << 30;
-            let down = largest - exponent(term);
-            if exponent(term) == 0 || down > 60 { 0 } else { significand >> down }
-        };
-        terms.clone().map(scaled).sum()
+    let largest = exponent(scale);
+    let scaled = |term: f32| {
+        let significand = i128::from(term.to_bits() & 0x007f_ffff | 0x0080_0000) << 42;
+        let down = largest - exponent(term);
+        if exponent(term) == 0 || down > 66 { 0 } else { significand >> down }
     };
-    let mut largest = exponent(scale);
-    // In units of 2^(largest − 127 − 23 − 30).
-    let mut sum = sum_to(largest);
-    if sum < (terms.clone().count() as i128) << 36 {
-        largest = terms.clone().map(exponent).max().unwrap_or(0);
-        sum = sum_to(largest);
-    }
-    // Every float is exact in f64, and so is its product with a power of two.
-    (f64::from(sum as f32) * 2f64.powi(largest - 180)) as f32
+    // In units of 2^(largest − 127 − 23 − 42). Every float is exact in f64, and so is its product with a power of two.
+    let sum: i128 = terms.map(scaled).sum();
+    (f64::from(sum as f32) * 2f64.powi(largest - 192)) as f32
 }
 
 /// The irradiance estimate of eq. 2.1, written out: `within` is what [`oracle_within`] returns.

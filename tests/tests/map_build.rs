@@ -3,6 +3,7 @@
 use caustic_device::{Device, Kernel, LaneOrder, Plan};
 use caustic_kernels::grid::GRID_BLOCK;
 use caustic_kernels::layout::{Arrival, Neighbour, Photon, Site};
+use caustic_kernels::num::Limbs;
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
 use caustic_tests::maps::*;
 use caustic_tests::points::{PointSet, photons_at, query, sets, uniform};
@@ -62,10 +63,13 @@ fn a_map_holds_every_photon_once_in_the_range_of_its_cell() {
             let built = build(&cpu, &set, hash);
             let stage = format!("{}, {hash:?}", set.name);
             caustic_tests::compare_sorted(&stage, &built.keys, &built.sorted_keys, &built.order).unwrap();
+            let scale = |channel: usize| set.photons.iter().map(|photon| photon.power[channel]).fold(0.0, f32::max);
             for (&i, (site, arrival)) in built.order.iter().zip(built.sites.iter().zip(&built.arrivals)) {
                 let photon = set.photons[i as usize];
-                assert_eq!(*site, Site { position: photon.position, photon: i });
-                assert_eq!(*arrival, Arrival { power: photon.power, direction: photon.direction });
+                assert_eq!(*site, Site::new(photon.position, i));
+                let limbs = |channel: usize| Limbs::of(photon.power[channel], scale(channel)).0;
+                let [red, green, blue] = [0, 1, 2].map(limbs);
+                assert_eq!(*arrival, Arrival::new(red, green, blue, photon.direction, photon.primitive));
             }
             let mut covered = 0;
             for (entry, ends) in (0..).zip(built.begins.windows(2)) {

@@ -19,24 +19,102 @@ pub struct Photon {
     pub primitive: u32,
 }
 
-/// Where a photon of a map lies: all that a search looks at, 16 bytes.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub struct Site {
-    /// Position, m.
-    pub position: [f32; 3],
-    /// Index of the photon in the order in which photons were given, before the map sorted them.
-    pub photon: u32,
+/// Four words that a GPU loads at once.
+#[cfg(target_arch = "spirv")]
+type Quad = glam::UVec4;
+#[cfg(not(target_arch = "spirv"))]
+type Quad = [u32; 4];
+
+#[inline]
+fn quad(a: u32, b: u32, c: u32, d: u32) -> Quad {
+    #[cfg(target_arch = "spirv")]
+    return glam::UVec4::new(a, b, c, d);
+    #[cfg(not(target_arch = "spirv"))]
+    [a, b, c, d]
 }
 
-/// What a photon of a map brings: read of those that count.
+#[inline]
+fn words(quad: Quad) -> [u32; 4] {
+    #[cfg(target_arch = "spirv")]
+    return [quad.x, quad.y, quad.z, quad.w];
+    #[cfg(not(target_arch = "spirv"))]
+    quad
+}
+
+/// Where a photon of a map lies: all that a search looks at, 16 bytes. Position, m, and the index of the photon in the order in
+/// which photons were given, before the map sorted them.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct Site(Quad);
+
+impl Site {
+    /// A photon's site.
+    #[inline]
+    #[must_use]
+    pub fn new(position: [f32; 3], photon: u32) -> Self {
+        Self(quad(position[0].to_bits(), position[1].to_bits(), position[2].to_bits(), photon))
+    }
+
+    /// Position, m.
+    #[inline]
+    #[must_use]
+    pub fn position(self) -> [f32; 3] {
+        let [x, y, z, _] = words(self.0);
+        [f32::from_bits(x), f32::from_bits(y), f32::from_bits(z)]
+    }
+
+    /// Index of the photon as it was given.
+    #[inline]
+    #[must_use]
+    pub fn photon(self) -> u32 {
+        words(self.0)[3]
+    }
+}
+
+/// What a photon of a map brings, read of those that count: its power ΔΦ in fixed point (see [`Limbs`](crate::num::Limbs)), a
+/// quad for each limb, and its direction of travel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Arrival {
-    /// Power ΔΦ, W, for each of red, green and blue.
-    pub power: [f32; 3],
-    /// Direction of travel, packed by [`pack_direction`](crate::trace::vector::pack_direction).
-    pub direction: u32,
+    high: Quad,
+    middle: Quad,
+    low: Quad,
+}
+
+impl Arrival {
+    /// An arrival of a power whose limbs for red, green and blue are given, and a direction packed by
+    /// [`pack_direction`](crate::trace::vector::pack_direction), on a primitive.
+    #[inline]
+    #[must_use]
+    pub fn new(red: [u32; 3], green: [u32; 3], blue: [u32; 3], direction: u32, primitive: u32) -> Self {
+        Self {
+            high: quad(red[0], green[0], blue[0], direction),
+            middle: quad(red[1], green[1], blue[1], primitive),
+            low: quad(red[2], green[2], blue[2], 0),
+        }
+    }
+
+    /// The limbs of its power, the highest first, each for red, green and blue.
+    #[inline]
+    #[must_use]
+    pub fn limbs(self) -> [[u32; 3]; 3] {
+        let (high, middle, low) = (words(self.high), words(self.middle), words(self.low));
+        [[high[0], high[1], high[2]], [middle[0], middle[1], middle[2]], [low[0], low[1], low[2]]]
+    }
+
+    /// Direction of travel.
+    #[inline]
+    #[must_use]
+    pub fn direction(self) -> u32 {
+        words(self.high)[3]
+    }
+
+    /// Index of the primitive it arrived on.
+    #[inline]
+    #[must_use]
+    pub fn primitive(self) -> u32 {
+        words(self.middle)[3]
+    }
 }
 
 /// A point at which photons are sought.
@@ -72,7 +150,7 @@ pub struct Irradiance {
 const _: () = {
     assert!(size_of::<Photon>() == 32);
     assert!(size_of::<Site>() == 16);
-    assert!(size_of::<Arrival>() == 16);
+    assert!(size_of::<Arrival>() == 48);
     assert!(size_of::<Query>() == 16);
     assert!(size_of::<Neighbour>() == 8);
     assert!(size_of::<Irradiance>() == 16);

@@ -50,7 +50,8 @@ macro_rules! stages {
                 0 grid: One Grid, 1 keys: In u32, 2 powers: In u32, 3 begins: Out u32, 4 power: Out u32
             ) = grid::cell_begins;
             each ReorderPhotons = reorder_photons [256] (
-                0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 sites: Out Site, 4 arrivals: Out Arrival
+                0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 power: In u32, 4 sites: Out Site,
+                5 arrivals: Out Arrival
             ) = grid::reorder_photons;
             each HashQueries = hash_queries [256] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 keys: Out u32
@@ -176,7 +177,7 @@ macro_rules! stages {
             ) = probe::arithmetic;
             each LayoutMap = layout_map [64] (
                 0 photons: In Photon, 1 queries: In Query, 2 neighbours: In Neighbour, 3 irradiance: In Irradiance,
-                4 sites: In Site, 5 arrivals: In Arrival, 6 words: Out u32
+                4 words: Out u32
             ) = probe::layout_map;
             each LayoutGrid = layout_grid [64] (
                 0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 words: Out u32

@@ -7,7 +7,6 @@ use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, GatherParams};
 use caustic_kernels::grid::{GRID_BLOCK, Grid, HASH_LINEAR};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
-use caustic_kernels::num::guard_for;
 
 /// A photon map on a device.
 pub struct PhotonMap {
@@ -49,7 +48,7 @@ impl PhotonMap {
         plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
         let sites = device.buffer::<Site>("map: sites", u64::from(count))?;
         let arrivals = device.buffer::<Arrival>("map: arrivals", u64::from(count))?;
-        plan.each(Kernel::ReorderPhotons, count, &[&grid_buffer, &sorted.order, unsorted, &sites, &arrivals]);
+        plan.each(Kernel::ReorderPhotons, count, &[&grid_buffer, &sorted.order, unsorted, &power, &sites, &arrivals]);
         Ok(Self { grid, grid_buffer, rows, sites, arrivals, begins, power })
     }
 
@@ -176,8 +175,7 @@ impl PhotonMap {
         k: u32,
         wanted: u32,
     ) -> Result<Search, MapError> {
-        let guard = guard_for(self.grid.photons);
-        let params = device.upload("gather: params", &[GatherParams { queries: count, k, guess: guess(wanted), guard }])?;
+        let params = device.upload("gather: params", &[GatherParams { queries: count, k, guess: guess(wanted) }])?;
         let keys = device.buffer::<u32>("sort: query keys", u64::from(count))?;
         plan.each(Kernel::HashQueries, count, &[&params, &self.grid_buffer, queries, &keys]);
         let order = RadixSort::plan(device, plan, &keys, count, key_bits(&self.grid))?.order;

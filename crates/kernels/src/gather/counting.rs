@@ -11,12 +11,11 @@
 #![allow(clippy::implicit_saturating_sub)] // rust-gpu 0.10 cannot compile `saturating_sub`
 
 use super::estimate::over_disc;
-use super::power::{Power, larger, scale_of};
+use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, distance2, search};
 use crate::exec::Store;
 use crate::grid::{Grid, MAX_REACH, Row, cell_of, linear};
 use crate::layout::{Arrival, Irradiance, Query, Site};
-use crate::num::GUARD;
 
 /// Lanes of a workgroup that shares out columns.
 pub const COLUMN_LANES: u32 = 64;
@@ -74,7 +73,7 @@ impl Place {
 /// Whether a candidate comes before a place. Its index is read for a tie only.
 #[inline]
 pub(super) fn is_before(bits: u32, slot: u32, place: Place, sites: &[Site]) -> bool {
-    bits < place.bits || (bits == place.bits && sites[slot as usize].photon < place.index)
+    bits < place.bits || (bits == place.bits && sites[slot as usize].photon() < place.index)
 }
 
 /// Numbers from `first` on, in bins of 2^`shift`, up to `end`.
@@ -183,7 +182,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
     #[inline]
     fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
         if distance2.to_bits() == self.bits {
-            let index = sites[slot as usize].photon;
+            let index = sites[slot as usize].photon();
             if index >= self.bins.first && index < self.bins.end {
                 count(memory, self.lane, self.from, (index - self.bins.first) >> self.bins.shift);
             }
@@ -360,7 +359,7 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Collect {
     #[inline]
     fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
         if is_before(distance2.to_bits(), slot, self.from, sites) {
-            self.power.add(&arrivals[slot as usize]);
+            self.power.add(arrivals[slot as usize]);
         } else if self.len < WORDS {
             memory[at(self.len, self.lane)] = slot;
             self.len += 1;
@@ -386,9 +385,9 @@ pub(super) fn take_first<const N: usize>(
     while n < word + len {
         let other = memory[at(n, lane)];
         let site = sites[other as usize];
-        let bits = distance2(position, site.position).to_bits();
-        if bits < first.bits || (bits == first.bits && site.photon < first.index) {
-            first = Place { bits, index: site.photon };
+        let bits = distance2(position, site.position()).to_bits();
+        if bits < first.bits || (bits == first.bits && site.photon() < first.index) {
+            first = Place { bits, index: site.photon() };
             slot = other;
             taken = n;
         }
@@ -396,63 +395,6 @@ pub(super) fn take_first<const N: usize>(
     }
     memory[at(taken, lane)] = memory[at(word + len - 1, lane)];
     (first, slot)
-}
-
-/// A second sum, for what was vague: of the candidates before a place the largest power, and then the sum.
-struct Again {
-    place: Place,
-    bound: f32,
-    sums: bool,
-    scale: [f32; 3],
-    power: Power,
-}
-
-impl<M: ?Sized, O: ?Sized> Candidates<M, [Arrival], O> for Again {
-    const SHORT: bool = true;
-
-    #[inline]
-    fn bound(&self) -> f32 {
-        self.bound
-    }
-
-    #[inline]
-    fn offer(&mut self, _memory: &mut M, _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
-        if is_before(distance2.to_bits(), slot, self.place, sites) {
-            if self.sums {
-                self.power.add(&arrivals[slot as usize]);
-            } else {
-                self.scale = larger(self.scale, &arrivals[slot as usize]);
-            }
-        }
-    }
-}
-
-/// The sum of the candidates before a place, aligned to their own largest, and whether the walks came to their ends.
-#[inline]
-pub(super) fn sum_again<const LINEAR: bool, M: ?Sized>(
-    memory: &mut M,
-    position: [f32; 3],
-    place: Place,
-    radius2: f32,
-    guard: u32,
-    grid: &Grid,
-    rows: &[Row],
-    sites: &[Site],
-    arrivals: &[Arrival],
-    begins: &[u32],
-) -> (Power, bool) {
-    let mut again = Again { place, bound: radius2, sums: false, scale: [0.0; 3], power: Power::new([0.0; 3], guard) };
-    let mut whole = true;
-    let mut walk = 0;
-    while walk < 2 {
-        whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut again) && whole;
-        if walk == 0 {
-            again.sums = true;
-            again.power = Power::new(again.scale, guard);
-        }
-        walk += 1;
-    }
-    (again.power, whole)
 }
 
 /// Irradiance at the `i`-th query: [`gather_irradiance`](super::gather_irradiance) without a container.
@@ -484,34 +426,28 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
     let position = query.position;
     let found = find::<LINEAR, _, _>(lane, memory, position, params.k + 1, params, grid, rows, sites, arrivals, begins);
     let counted = if found.enough { params.k } else { found.before };
-    let scale = scale_of(power);
     let mut collect = Collect {
         lane,
         from: if found.enough { Place { bits: found.bins.first, index: found.index } } else { Place::ALL },
         end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
-        power: Power::new(scale, GUARD),
+        power: Power::new(),
         len: 0,
     };
-    let mut whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect) && found.whole;
+    let whole = search::<LINEAR, _, _, _, _>(
+        position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect,
+    ) && found.whole;
     // Those of the list up to the last, which the disc reaches to.
-    let mut place = collect.from;
+    let mut last = collect.from;
     let mut n = 0;
     while n < found.rank && n < collect.len {
         let (first, slot) = take_first(memory, lane, 0, collect.len - n, position, sites);
-        place = first;
+        last = first;
         n += 1;
         if n < found.rank {
-            collect.power.add(&arrivals[slot as usize]);
+            collect.power.add(arrivals[slot as usize]);
         }
     }
-    let radius2 = if found.enough { f32::from_bits(place.bits) } else { grid.radius2 };
-    let mut rgb = collect.power.value();
-    if collect.power.is_vague(scale, GUARD, counted) {
-        let (again, ended) =
-            sum_again::<LINEAR, _>(memory, position, place, radius2, GUARD, grid, rows, sites, arrivals, begins);
-        whole = whole && ended;
-        rgb = collect.power.value_or(&again, scale, GUARD, counted);
-    }
+    let radius2 = if found.enough { f32::from_bits(last.bits) } else { grid.radius2 };
     let photons = if whole { counted } else { CUT_SHORT };
-    irradiance.set(q, Irradiance { rgb: over_disc(rgb, radius2, grid), photons });
+    irradiance.set(q, Irradiance { rgb: over_disc(collect.power.value(power), radius2, grid), photons });
 }

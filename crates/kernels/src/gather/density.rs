@@ -1,17 +1,19 @@
 //! The estimate from all photons within the radius.
 
-use super::counting::{Place, sum_again};
 use super::estimate::over_disc;
-use super::power::{Power, scale_of};
+use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::Store;
 use crate::grid::{Grid, Row};
 use crate::layout::{Arrival, Irradiance, Query, Site};
+use crate::num::MAX_TERMS;
 
 /// Sums the power of every candidate.
 struct All {
     radius2: f32,
     power: Power,
+    /// What has left the highest limb of each channel.
+    above: [u32; 3],
     photons: u32,
 }
 
@@ -24,9 +26,21 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, [Arrival], O> for All {
     }
 
     #[inline]
-    fn offer(&mut self, _memory: &mut M, _output: &mut O, _distance2: f32, slot: u32, _sites: &[Site], arrivals: &[Arrival]) {
-        self.power.add(&arrivals[slot as usize]);
+    fn offer(
+        &mut self,
+        _memory: &mut M,
+        _output: &mut O,
+        _distance2: f32,
+        slot: u32,
+        _sites: &[Site],
+        arrivals: &[Arrival],
+    ) {
+        self.power.add(arrivals[slot as usize]);
         self.photons += 1;
+        if self.photons % (MAX_TERMS / 2) == 0 {
+            let left = self.power.settle();
+            self.above = [self.above[0] + left[0], self.above[1] + left[1], self.above[2] + left[2]];
+        }
     }
 }
 
@@ -55,19 +69,12 @@ pub fn gather_density<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
     if query.active != 0 {
         let position = query.position;
         let radius2 = grid.radius2;
-        let scale = scale_of(power);
-        let mut all = All { radius2, power: Power::new(scale, params.guard), photons: 0 };
-        let mut whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), &mut all);
-        let mut rgb = all.power.value();
-        if all.power.is_vague(scale, params.guard, all.photons) {
-            let memory = &mut [0u32; 1];
-            let (again, ended) = sum_again::<LINEAR, _>(
-                memory, position, Place::ALL, radius2, params.guard, grid, rows, sites, arrivals, begins,
-            );
-            whole = whole && ended;
-            rgb = all.power.value_or(&again, scale, params.guard, all.photons);
-        }
-        result.rgb = over_disc(rgb, radius2, grid);
+        let mut all = All { radius2, power: Power::new(), above: [0; 3], photons: 0 };
+        let memory = &mut ();
+        let whole =
+            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut all);
+        let channel = |n: usize| all.power.channel(n).value_with(all.above[n], f32::from_bits(power[n]));
+        result.rgb = over_disc([channel(0), channel(1), channel(2)], radius2, grid);
         result.photons = if whole { all.photons } else { CUT_SHORT };
     }
     irradiance.set(q, result);

@@ -1,11 +1,11 @@
 //! What the gathering stages return: the neighbours themselves, or the irradiance they add up to.
 
-use super::power::{Power, larger, scale_of};
+use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, Selection, search};
 use crate::exec::Store;
 use crate::grid::{Grid, HASH_LINEAR, Row};
 use crate::layout::{Arrival, Irradiance, Neighbour, Query, Site};
-use crate::num::{GUARD, div};
+use crate::num::div;
 
 const PI: f32 = core::f32::consts::PI;
 /// No candidate is left out.
@@ -44,7 +44,7 @@ pub fn gather_neighbours<
     }
     let mut n = 0;
     while n < selection.count() {
-        let photon = sites[selection.slot(n) as usize].photon;
+        let photon = sites[selection.slot(n) as usize].photon();
         neighbours.set(q * params.k + n, Neighbour { distance2: selection.distance2(n), photon });
         n += 1;
     }
@@ -91,13 +91,7 @@ pub fn gather_irradiance<S: Selection + Candidates<(), [Arrival], ()>, I: Store<
             left_out = selection.last();
             radius2 = selection.distance2(left_out);
         }
-        let scale = scale_of(power);
-        let sum = sum_power(&selection, left_out, arrivals, scale);
-        let mut rgb = sum.value();
-        if sum.is_vague(scale, GUARD, result.photons) {
-            let again = sum_power(&selection, left_out, arrivals, largest(&selection, left_out, arrivals));
-            rgb = sum.value_or(&again, scale, GUARD, result.photons);
-        }
+        let rgb = sum_power(&selection, left_out, arrivals).value(power);
         result.rgb = over_disc(rgb, radius2, grid);
         if !whole {
             result.photons = CUT_SHORT;
@@ -126,35 +120,16 @@ fn search_any<A: ?Sized, S: Candidates<(), A, ()>>(
 
 /// Power of the selected photons, without the one at `left_out`.
 #[inline]
-fn sum_power<S: Selection>(
-    selection: &S,
-    left_out: u32,
-    arrivals: &[Arrival],
-    scale: [f32; 3],
-) -> Power {
-    let mut power = Power::new(scale, GUARD);
+fn sum_power<S: Selection>(selection: &S, left_out: u32, arrivals: &[Arrival]) -> Power {
+    let mut power = Power::new();
     let mut n = 0;
     while n < selection.count() {
         if n != left_out {
-            power.add(&arrivals[selection.slot(n) as usize]);
+            power.add(arrivals[selection.slot(n) as usize]);
         }
         n += 1;
     }
     power
-}
-
-/// Largest power of the selected photons in each channel, W, without the one at `left_out`.
-#[inline]
-fn largest<S: Selection>(selection: &S, left_out: u32, arrivals: &[Arrival]) -> [f32; 3] {
-    let mut scale = [0.0; 3];
-    let mut n = 0;
-    while n < selection.count() {
-        if n != left_out {
-            scale = larger(scale, &arrivals[selection.slot(n) as usize]);
-        }
-        n += 1;
-    }
-    scale
 }
 
 /// Irradiance of a power that arrives on the disc of squared radius `radius2`, W·m⁻². Photons that all lie in the query's own

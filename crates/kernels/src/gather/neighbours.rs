@@ -45,7 +45,7 @@ impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N
                 place = count_of(memory, self.lane, 0, bin);
                 memory[at(bin % WORDS, self.lane)] += 1 << (bin & WORDS);
             }
-            output.set(self.row + place, Neighbour { distance2, photon: sites[slot as usize].photon });
+            output.set(self.row + place, Neighbour { distance2, photon: sites[slot as usize].photon() });
         } else if self.len < WORDS {
             memory[at(WORDS + self.len, self.lane)] = slot;
             self.len += 1;

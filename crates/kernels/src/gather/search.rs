@@ -120,9 +120,9 @@ fn consider<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M
     candidates: &mut C,
 ) {
     let site = sites[slot as usize];
-    let d2 = distance2(position, site.position);
+    let d2 = distance2(position, site.position());
     // Several cells may share a table entry: a photon counts only where it lies, hence never twice.
-    if d2 <= candidates.bound() && (LINEAR || same_cell(cell_of(grid, site.position), cell)) {
+    if d2 <= candidates.bound() && (LINEAR || same_cell(cell_of(grid, site.position()), cell)) {
         candidates.offer(memory, output, d2, slot, sites, arrivals);
     }
 }

@@ -67,6 +67,7 @@ mod tests {
     use super::*;
     use crate::exec::Workgroup;
     use crate::layout::{Arrival, Photon, Site};
+    use crate::num::Limbs;
     use std::vec;
     use std::vec::Vec;
 
@@ -217,11 +218,16 @@ mod tests {
         let grid = Grid { photons: 4, ..grid };
         for i in 0..8 {
             let (sites, arrivals) = (sites.as_mut_slice(), arrivals.as_mut_slice());
-            reorder_photons(i, &grid, &[3, 1, 0, 2], &photons, sites, arrivals);
+            let power = [1f32, 1.0, 4566.0].map(f32::to_bits);
+            reorder_photons(i, &grid, &[3, 1, 0, 2], &photons, &power, sites, arrivals);
         }
-        assert_eq!(sites.iter().map(|site| site.photon).collect::<Vec<_>>(), [3, 1, 0, 2, 0, 0]);
-        assert_eq!(arrivals.iter().map(|arrival| arrival.direction).collect::<Vec<_>>(), [3, 1, 0, 2, 0, 0]);
-        assert_eq!(sites[0].position, photons[3].position);
-        assert_eq!(arrivals[0].power, photons[3].power);
+        assert_eq!(sites.iter().map(|site| site.photon()).collect::<Vec<_>>(), [3, 1, 0, 2, 0, 0]);
+        assert_eq!(arrivals.iter().map(|arrival| arrival.direction()).collect::<Vec<_>>(), [3, 1, 0, 2, 0, 0]);
+        assert_eq!(sites[0].position(), photons[3].position);
+        let [high, middle, low] = arrivals[0].limbs();
+        for (channel, scale) in [1.0, 1.0, 4566.0].into_iter().enumerate() {
+            let limbs = Limbs([high[channel], middle[channel], low[channel]]);
+            assert_eq!(limbs.value(scale), photons[3].power[channel]);
+        }
     }
 }

@@ -3,6 +3,7 @@
 use super::{Grid, cell_of, hash_cell};
 use crate::exec::{Store, Turns};
 use crate::layout::{Arrival, Photon, Query, Site};
+use crate::num::Limbs;
 
 /// Photons or table entries that one workgroup handles.
 pub const GRID_BLOCK: u32 = crate::sort::SORT_BLOCK;
@@ -183,21 +184,25 @@ fn first_from(keys: &[u32], place: u32, end: u32, key: u32) -> u32 {
 }
 
 /// Copies the photons into sorted order, so that a cell's photons lie side by side: what a search tests apart from what it
-/// reads of those that count.
+/// reads of those that count. `power` are the largest powers, as bits, to which powers are aligned.
 #[inline]
 pub fn reorder_photons<S: Store<Site> + ?Sized, A: Store<Arrival> + ?Sized>(
     i: u32,
     grid: &Grid,
     order: &[u32],
     photons: &[Photon],
+    power: &[u32],
     sites: &mut S,
     arrivals: &mut A,
 ) {
     if i < grid.photons {
         let index = order[i as usize];
         let photon = photons[index as usize];
-        sites.set(i, Site { position: photon.position, photon: index });
-        arrivals.set(i, Arrival { power: photon.power, direction: photon.direction });
+        let red = Limbs::of(photon.power[0], f32::from_bits(power[0]));
+        let green = Limbs::of(photon.power[1], f32::from_bits(power[1]));
+        let blue = Limbs::of(photon.power[2], f32::from_bits(power[2]));
+        sites.set(i, Site::new(photon.position, index));
+        arrivals.set(i, Arrival::new(red.0, green.0, blue.0, photon.direction, photon.primitive));
     }
 }
 

@@ -1,105 +1,128 @@
 //! A sum that does not depend on the order of its terms.
 //!
-//! Floating-point addition rounds, so its result depends on the order; integer addition does not. Terms are aligned to a scale
-//! that is the same for all, and added as 64-bit integers, in two `u32`. The neighbours of a query can then be summed in whatever
-//! order a device, a hash or a container brings them, and the sum is more accurate than any order of `f32` additions.
+//! Floating-point addition rounds, so its result depends on the order; integer addition does not. Terms are converted once, to fixed
+//! point below a scale that is the same for all, in three limbs of 22 bits. A limb has ten bits to spare in its `u32`, so that a
+//! term is added by three integer additions without a carry (carry-save, as in Kulisch's accumulators; Demmel and Nguyen, "Fast
+//! Reproducible Floating-Point Summation", 2013, for the problem). The neighbours of a query can then be summed in whatever order
+//! a device, a hash or a container brings them, and the sum is more accurate than any order of `f32` additions.
 
-/// Most terms of a [`Sum`] that keeps [`GUARD`] bits.
+/// Most terms that are added before a sum has to [settle](Limbs::settle).
 pub const MAX_TERMS: u32 = 1 << 10;
-/// Bits kept below the last bit of the largest term: 64 − 24 of a significand − 10 for the number of terms.
-pub const GUARD: u32 = 30;
 
-/// Bits kept below the last bit of the largest of up to `terms` terms.
-#[must_use]
-pub fn guard_for(terms: u32) -> u32 {
-    let bits = 32 - terms.leading_zeros();
-    if bits > 10 { 40 - bits } else { GUARD }
-}
+/// Bits of a limb.
+const BITS: u32 = 22;
+const MASK: u32 = (1 << BITS) - 1;
+/// Where the lowest bit of a significand lies whose number has the scale's exponent: the highest of 66 bits is its leading one.
+const TOP: i32 = 3 * BITS as i32 - 24;
 
-/// The sum of finite numbers that are not negative.
-///
-/// Its error is below n·2^(−23 − guard) of the largest term that it was made for (bits beyond the guard bits are cut off), then
-/// one rounding to the nearest `f32`. Subnormal terms count as zero.
-#[derive(Clone, Copy)]
-pub struct Sum {
-    /// Biased exponent of a term whose significand ends at bit 0.
-    zero: i32,
-    high: u32,
-    low: u32,
-}
+/// A number that is not negative, in units of 2^(e − 127 − 23 − 42), where e is the biased exponent of the scale: the highest limb
+/// first. A number keeps all its bits down to 2⁻⁴² of the scale (2·10⁻¹³), and what is below 2⁻⁶⁶ of it is cut off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Limbs(pub [u32; 3]);
 
-impl Sum {
-    /// An empty sum for terms of at most `largest`, with this many guard bits: at most [`GUARD`].
+impl Limbs {
+    /// Zero.
+    pub const ZERO: Self = Self([0; 3]);
+
+    /// A finite number of at most the exponent of `scale`. Subnormal ones count as zero.
     #[inline]
     #[must_use]
-    pub fn new(largest: f32, guard: u32) -> Self {
-        Self { zero: (largest.to_bits() >> 23) as i32 - guard as i32, high: 0, low: 0 }
+    pub fn of(term: f32, scale: f32) -> Self {
+        let bits = term.to_bits();
+        let exponent = (bits >> 23) as i32;
+        let significand = if exponent == 0 { 0 } else { (bits & 0x007f_ffff) | 0x0080_0000 };
+        // Place of its lowest bit.
+        let place = TOP - ((scale.to_bits() >> 23) as i32 - exponent);
+        Self([
+            part(significand, place - 2 * BITS as i32),
+            part(significand, place - BITS as i32),
+            part(significand, place),
+        ])
     }
 
     /// Adds a term.
     #[inline]
-    pub fn add(&mut self, term: f32) {
-        let bits = term.to_bits();
-        let exponent = (bits >> 23) as i32;
-        // Zero, and what is subnormal, has no leading bit.
-        let significand = if exponent == 0 { 0 } else { (bits & 0x007f_ffff) | 0x0080_0000 };
-        let up = exponent - self.zero;
-        let mut high = 0;
-        let mut low = 0;
-        if up >= 0 {
-            let up = up as u32 & 31;
-            low = significand << up;
-            // In two steps, for a shift by 32 is none.
-            high = (significand >> 1) >> (31 - up);
-        } else if up > -24 {
-            low = significand >> (0 - up) as u32;
+    pub fn add(&mut self, term: [u32; 3]) {
+        self.0 = [
+            self.0[0].wrapping_add(term[0]),
+            self.0[1].wrapping_add(term[1]),
+            self.0[2].wrapping_add(term[2]),
+        ];
+    }
+
+    /// Makes room for half of [`MAX_TERMS`] more: moves what the limbs have gathered beyond their 22 bits up. What leaves the highest is
+    /// returned.
+    #[inline]
+    #[must_use]
+    pub fn settle(self) -> (Self, u32) {
+        let [high, middle, low] = self.carry().0;
+        (Self([high & MASK, middle, low]), high >> BITS)
+    }
+
+    /// Moves what the lower limbs have gathered beyond their 22 bits up.
+    #[inline]
+    fn carry(self) -> Self {
+        let [high, middle, low] = self.0;
+        let middle = middle.wrapping_add(low >> BITS);
+        Self([high.wrapping_add(middle >> BITS), middle & MASK, low & MASK])
+    }
+
+    /// The number, rounded to the nearest `f32`, ties to even; infinite beyond the largest.
+    #[inline]
+    #[must_use]
+    pub fn value(self, scale: f32) -> f32 {
+        self.value_at((scale.to_bits() >> 23) as i32)
+    }
+
+    /// The number plus `above` times what the highest limb leaves: 2⁶⁶ of the lowest bit.
+    #[inline]
+    #[must_use]
+    pub fn value_with(self, above: u32, scale: f32) -> f32 {
+        let [high, middle, low] = self.carry().0;
+        let exponent = (scale.to_bits() >> 23) as i32;
+        if above == 0 {
+            return Self([high, middle, low]).value_at(exponent);
         }
-        let sum = self.low.wrapping_add(low);
-        let carry = if sum < low { 1 } else { 0 };
-        self.low = sum;
-        self.high = self.high.wrapping_add(high).wrapping_add(carry);
+        // Of the lowest limb it only matters whether there is anything.
+        let rest = if low != 0 { 1 } else { 0 };
+        Self([above + (high >> BITS), high & MASK, middle | rest]).value_at(exponent + BITS as i32)
     }
 
-    /// Whether `terms` terms were so small against the scale that the bits cut off may show: fewer than 36 bits are sure. Then the
-    /// sum is to be made again with their own largest.
+    /// [`Limbs::value`] below a scale with this biased exponent.
     #[inline]
-    #[must_use]
-    pub fn is_vague(&self, terms: u32, guard: u32) -> bool {
-        // Less than 2^(guard + 6) a term, which is 2⁻¹⁷ of the scale.
-        let shift = guard + 6;
-        let (high, low) =
-            if shift >= 32 { (terms << (shift - 32), 0) } else { (terms >> (32 - shift), terms << shift) };
-        self.high < high || (self.high == high && self.low < low)
-    }
-
-    /// The sum, rounded to the nearest `f32`, ties to even; infinite beyond the largest.
-    #[inline]
-    #[must_use]
-    pub fn value(&self) -> f32 {
-        if self.high == 0 && self.low == 0 {
+    fn value_at(self, exponent: i32) -> f32 {
+        let [top, middle, low] = self.carry().0;
+        // 76 bits in three words: the highest 32 that are not zero, and whether anything is below.
+        if top == 0 && middle == 0 && low == 0 {
             return 0.0;
         }
-        // Left-justify the 64 bits.
-        let mut high = self.high;
-        let mut low = self.low;
-        let mut shift = 0;
-        if high == 0 {
-            high = low;
-            low = 0;
-            shift = 32;
+        let mut head = top;
+        let mut tail = (middle << 10) | (low >> 12);
+        let mut rest = low << 20;
+        // The weight of head's lowest bit.
+        let mut place = 2 * BITS as i32;
+        if head == 0 {
+            head = tail;
+            tail = rest;
+            rest = 0;
+            place -= 32;
         }
-        let zeros = high.leading_zeros();
+        if head == 0 {
+            head = tail;
+            tail = rest;
+            rest = 0;
+            place -= 32;
+        }
+        let zeros = head.leading_zeros();
         if zeros > 0 {
-            high = (high << zeros) | (low >> (32 - zeros));
-            low <<= zeros;
+            head = (head << zeros) | (tail >> (32 - zeros));
+            tail <<= zeros;
         }
-        shift += zeros;
-        // A significand that ends at bit 0 has its top bit at 23; the sum's is at 63 − shift.
-        let mut exponent = self.zero + 40 - shift as i32;
-        let mut significand = high >> 8;
-        let rest = high & 0xff;
-        let above_half = rest > 0x80 || (rest == 0x80 && (low != 0 || significand & 1 == 1));
-        if above_half {
+        // The leading bit is now bit 31: 2^(place + 31 − zeros − 42 − 23) of the scale's exponent.
+        let mut exponent = exponent + place + 31 - zeros as i32 - TOP - 23;
+        let mut significand = head >> 8;
+        let below = head & 0xff;
+        if below > 0x80 || (below == 0x80 && (tail != 0 || rest != 0 || significand & 1 == 1)) {
             significand += 1;
             if significand == 0x0100_0000 {
                 significand = 0x0080_0000;
@@ -116,18 +139,34 @@ impl Sum {
     }
 }
 
+/// The 22 bits of a significand, whose lowest bit lies at `place` of a limb.
+#[inline]
+fn part(significand: u32, place: i32) -> u32 {
+    if place >= 0 {
+        if place < BITS as i32 { (significand << place as u32) & MASK } else { 0 }
+    } else if place > -24 {
+        (significand >> (0 - place) as u32) & MASK
+    } else {
+        0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::num::samples::Lcg;
     use std::vec::Vec;
 
-    fn sum(terms: &[f32]) -> f32 {
-        let mut sum = Sum::new(terms.iter().copied().fold(0.0, f32::max), GUARD);
+    fn sum_below(scale: f32, terms: &[f32]) -> f32 {
+        let mut sum = Limbs::ZERO;
         for &term in terms {
-            sum.add(term);
+            sum.add(Limbs::of(term, scale).0);
         }
-        sum.value()
+        sum.value(scale)
+    }
+
+    fn sum(terms: &[f32]) -> f32 {
+        sum_below(terms.iter().copied().fold(0.0, f32::max), terms)
     }
 
     /// Positive numbers over twelve decades.
@@ -136,16 +175,34 @@ mod tests {
     }
 
     #[test]
+    fn a_number_comes_back_as_it_was() {
+        let mut lcg = Lcg(1);
+        for i in 0..200_000u32 {
+            let scale = f32::from_bits((lcg.next_u32() % 0x7f00_0000).max(0x1800_0000));
+            let down = (i % 43) << 23;
+            let term = f32::from_bits((scale.to_bits() & 0x7f80_0000 | lcg.next_u32() & 0x007f_ffff) - down);
+            assert_eq!(Limbs::of(term, scale).value(scale).to_bits(), term.to_bits(), "{term:e} below {scale:e}");
+        }
+        assert_eq!(Limbs::of(1.0, 2f32.powi(65)).value(2f32.powi(65)), 1.0);
+        assert_eq!(Limbs::of(1.999, 2f32.powi(66)), Limbs::ZERO);
+    }
+
+    #[test]
     fn a_sum_over_twelve_decades_is_the_exact_one_rounded() {
         let mut lcg = Lcg(7);
         for count in [1, 2, 3, 10, 50, 512, 1024] {
-            for _ in 0..500 {
+            for round in 0..500 {
                 let terms = powers(&mut lcg, count);
                 let exact: f64 = terms.iter().map(|&term| f64::from(term)).sum();
-                // Half a unit in the last place for the rounding, and the bits cut off: 1024·2⁻⁵³ of it.
+                // Half a unit in the last place for the rounding, and the bits cut off.
                 let unit = f64::from(f32::from_bits((exact as f32).to_bits() + 1)) - f64::from(exact as f32);
                 let error = (f64::from(sum(&terms)) - exact).abs();
                 assert!(error <= 0.5 * unit * (1.0 + 1e-6), "{count} terms: {error} of {exact}");
+                // As well where all of them are twelve decades below the scale: a unit of 2⁻⁶⁶ of it a term.
+                let scale = 10f32.powi(round % 13) * terms.iter().copied().fold(0.0, f32::max);
+                let error = (f64::from(sum_below(scale, &terms)) - exact).abs();
+                let cut = f64::from(count) * 2f64.powi(-65) * f64::from(scale);
+                assert!(error <= 0.5 * unit * (1.0 + 1e-6) + cut, "{count} terms below {scale:e}: {error} of {exact}");
             }
         }
     }
@@ -177,6 +234,23 @@ mod tests {
     }
 
     #[test]
+    fn a_sum_that_is_carried_takes_more_terms() {
+        for term in [1.999_999_9f32, 1.1, 3e-7] {
+            let (mut sum, mut above) = (Limbs::ZERO, 0);
+            for _ in 0..1800 {
+                for _ in 0..MAX_TERMS / 2 {
+                    sum.add(Limbs::of(term, 1.5).0);
+                }
+                let leaves;
+                (sum, leaves) = sum.settle();
+                above += leaves;
+            }
+            let expected = (f64::from(term) * f64::from(900 * MAX_TERMS)) as f32;
+            assert_eq!(sum.value_with(above, 1.5), expected);
+        }
+    }
+
+    #[test]
     fn the_ends_of_the_range() {
         assert_eq!(sum(&[]), 0.0);
         assert_eq!(sum(&[0.0, 0.0]), 0.0);
@@ -188,38 +262,5 @@ mod tests {
         assert_eq!(sum(&[f32::MAX; 1]), f32::MAX);
         assert_eq!(sum(&[1.0; 1024]), 1024.0);
         assert_eq!(sum(&[f32::from_bits(0x3fff_ffff); 1024]), 1024.0 * f32::from_bits(0x3fff_ffff));
-    }
-
-    #[test]
-    fn a_sum_of_many_terms_has_room_for_them() {
-        for (terms, guard) in [(1, 30), (1023, 30), (1024, 29), (1 << 20, 19), (u32::MAX, 8)] {
-            assert_eq!(guard_for(terms), guard);
-        }
-        let count = (1 << 20) - 1;
-        let mut sum = Sum::new(1.5, guard_for(count));
-        (0..count).for_each(|_| sum.add(1.999_999_9));
-        assert_eq!(sum.value(), (f64::from(1.999_999_9f32) * f64::from(count)) as f32);
-    }
-
-    /// What a scale far above the terms costs is noticed before it shows.
-    #[test]
-    fn a_sum_that_is_not_vague_is_right_whatever_its_scale() {
-        let mut lcg = Lcg(5);
-        let mut vague = [0, 0];
-        for round in 0..2000u32 {
-            let terms: Vec<f32> = (0..1 + round % 60).map(|_| 0.5 + lcg.next_u32() as f32 / u32::MAX as f32).collect();
-            let exact: f64 = terms.iter().map(|&term| f64::from(term)).sum();
-            for guard in [GUARD, 20, 8] {
-                let mut sum = Sum::new(2f32.powi((round % 40) as i32), guard);
-                terms.iter().for_each(|&term| sum.add(term));
-                let is_vague = sum.is_vague(terms.len() as u32, guard);
-                vague[usize::from(is_vague)] += 1;
-                // 2⁻⁷ a guard bit less of the 2⁻³⁶ that GUARD promises, and the rounding.
-                let bound = 2f64.powi(-6 - guard as i32) + 2f64.powi(-24) * 1.000_01;
-                assert!(is_vague || (f64::from(sum.value()) - exact).abs() <= exact * bound);
-                assert!(!is_vague || round % 40 >= 16, "a scale of 2^{} is no reason", round % 40);
-            }
-        }
-        assert!(vague[0] > 1000 && vague[1] > 1000, "{vague:?}");
     }
 }

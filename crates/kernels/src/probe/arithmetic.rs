@@ -2,7 +2,7 @@
 
 use crate::exec::Store;
 use crate::num::{
-    GUARD, Sum, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns, sqrt,
+    Limbs, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns, sqrt,
     total_order_key,
 };
 use bytemuck::{Pod, Zeroable};
@@ -62,12 +62,14 @@ pub fn arithmetic<R: Store<Arithmetic> + ?Sized>(i: u32, params: &ArithmeticPara
     let (tame_a, tame_b) = (tame(a_bits), tame(b_bits));
     let (sin, cos) = sin_cos_turns(a);
     let (x, y) = (f32::from_bits(tame_a.to_bits() & 0x7fff_ffff), f32::from_bits(tame_b.to_bits() & 0x7fff_ffff));
-    let mut sum = Sum::new(max(x, y), GUARD);
-    sum.add(x);
-    sum.add(y);
-    sum.add(x);
-    sum.add(y);
-    sum.add(y);
+    let scale = max(x, y);
+    let (x, y) = (Limbs::of(x, scale), Limbs::of(y, scale));
+    let mut sum = Limbs::ZERO;
+    sum.add(x.0);
+    sum.add(y.0);
+    sum.add(x.0);
+    sum.add(y.0);
+    sum.add(y.0);
     results.set(
         i,
         Arithmetic {
@@ -82,7 +84,7 @@ pub fn arithmetic<R: Store<Arithmetic> + ?Sized>(i: u32, params: &ArithmeticPara
             product_sum: (tame_a * tame_b + tame_a).to_bits(),
             difference: ((tame_a + tame_b) - tame_a).to_bits(),
             conversions: [floor_to_i32(a) as u32, f32_to_u32_clamped(a), total_order_key(a)],
-            sum: sum.value().to_bits(),
+            sum: sum.value(scale).to_bits(),
         },
     );
 }

@@ -7,7 +7,7 @@
 use crate::exec::Store;
 use crate::gather::GatherParams;
 use crate::grid::{Grid, Row};
-use crate::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
+use crate::layout::{Irradiance, Neighbour, Photon, Query};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
     Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
@@ -82,15 +82,13 @@ layouts! {
         photons: Photon { position, direction, power, primitive },
         queries: Query { position, active },
         neighbours: Neighbour { distance2, photon },
-        irradiance: Irradiance { rgb, photons },
-        sites: Site { position, photon },
-        arrivals: Arrival { power, direction }
+        irradiance: Irradiance { rgb, photons }
     );
     /// Records of grids and searches.
     layout_grid(
         grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack, rows },
         rows: Row { y, z, least2 },
-        gather: GatherParams { queries, k, guess, guard }
+        gather: GatherParams { queries, k, guess }
     );
     /// Records of sorting, and of emission.
     layout_sort(
