@@ -4,7 +4,7 @@ use caustic_device::{Access, Kernel, manifest};
 use caustic_kernels::gather::{CAPACITIES, COLUMN_LANES, GATHER_LANES};
 use caustic_kernels::grid::GRID_BLOCK;
 use caustic_kernels::probe::LAYOUTS;
-use caustic_kernels::sort::{DIGITS, SCAN_LANES, SORT_BLOCK};
+use caustic_kernels::sort::{SCAN_LANES, SORT_BLOCK};
 use std::collections::{BTreeMap, BTreeSet};
 
 const MANIFEST: &str = include_str!("../../crates/device/shaders/manifest.json");
@@ -61,7 +61,10 @@ fn every_record_has_a_layout_kernel() {
             // The alignment that `Device::buffer` and the CPU backend rely on.
             assert_eq!(binding.record_bytes % 4, 0, "{}: `{}`", kernel.entry_point(), binding.name);
             assert_eq!(binding.words.len() as u32 * 4, binding.record_bytes);
-            let known = binding.record_bytes == 4 || measured.contains(&binding.record_bytes);
+            // Sites and arrivals are words without fields: tests/map_build.rs compares them with what they should hold.
+            let known = binding.record_bytes == 4
+                || ["sites", "arrivals"].contains(&binding.name)
+                || measured.contains(&binding.record_bytes);
             assert!(known, "{}: no layout kernel has a record like `{}`", kernel.entry_point(), binding.name);
         }
     }
@@ -72,7 +75,8 @@ fn kernels_have_the_lanes_that_their_bodies_assume() {
     assert_eq!(Kernel::ScanRows.lanes(), SCAN_LANES);
     // Digits and items are shared out evenly among lanes.
     for kernel in [Kernel::RadixScatter, Kernel::RadixScatterNarrow, Kernel::RadixScatterPlain] {
-        assert!(DIGITS.is_multiple_of(kernel.lanes()) && SORT_BLOCK.is_multiple_of(kernel.lanes()));
+        let lanes = kernel.lanes();
+        assert!(lanes.is_power_of_two() && SORT_BLOCK.is_multiple_of(8 * lanes));
     }
     for kernel in [Kernel::HashPhotons, Kernel::CellBegins] {
         assert!(GRID_BLOCK.is_multiple_of(kernel.lanes()) && kernel.lanes().is_power_of_two());

@@ -30,7 +30,7 @@ macro_rules! stages {
             group([u32; 2]; [u32; 512]) ScanRows = scan_rows [256] (
                 0 params: One ScanParams, 1 input: In u32, 2 sums: Out u32, 3 totals: Out u32
             ) = sort::scan_rows;
-            subgroups(BlockRegisters; ScatterShared) RadixScatter = radix_scatter [256] (
+            subgroups(BlockRegisters; ScatterShared) RadixScatter = radix_scatter [512] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 values: In u32, 3 offsets: In u32, 4 digit_totals: In u32,
                 5 keys_out: Out u32, 6 values_out: Out u32
             ) = sort::radix_scatter;

@@ -36,14 +36,26 @@ pub(crate) fn cell_width(
     let occupancy = |pairs: f64| pairs / all_pairs * photons as f64;
     // Widths fall by √2; the occupancy of two steps, which is half the width, gives the slope.
     let mut steps = vec![(longest, all_pairs)];
+    let mut few = false;
     loop {
         let (width, pairs) = steps[steps.len() - 1];
         let next = width / std::f64::consts::SQRT_2;
         let next_pairs = pairs_in_cells(&sample, next);
-        if occupancy(pairs) <= OCCUPANCY || next_pairs < PAIRS || next < longest * 1e-6 {
+        if occupancy(pairs) <= OCCUPANCY || next < longest * 1e-6 {
+            break;
+        }
+        if next_pairs < PAIRS {
+            few = true;
             break;
         }
         steps.push((next, next_pairs));
+    }
+    let (_, fewest) = steps[steps.len() - 1];
+    if occupancy(fewest) > OCCUPANCY && !few {
+        // However small, cells hold as many: photons lie in the same points. Then the widest that hold no more will do.
+        let enough = |&(_, pairs): &(f64, f64)| pairs <= 1.3 * fewest;
+        steps.truncate(steps.iter().position(enough).unwrap_or(0) + 1);
+        return steps[steps.len() - 1].0;
     }
     let (width, pairs) = steps[steps.len() - 1];
     let before = steps[steps.len().saturating_sub(3)];
@@ -93,10 +105,10 @@ mod tests {
         let options = MapOptions { radius: 0.5, hash: Hash::Linear, table: None, cell: None };
         assert_eq!(cell_width([0.0; 3], [1.0; 3], 100, &[], &options), 0.5);
         assert_eq!(cell_width([0.0; 3], [0.0; 3], 100, &[[0.0; 3]; 100], &options), 0.5);
-        // All but one in one point: as fine as a step can be, and no endless search.
+        // All but one in one point: no cell helps, however small.
         let mut sample = vec![[0.25; 3]; 5000];
         sample[77] = [1.0; 3];
         let width = cell_width([0.0; 3], [1.0; 3], 5000, &sample, &options);
-        assert!(width > 0.0 && width < 1e-3, "{width}");
+        assert!(width > 0.5, "{width}");
     }
 }

@@ -12,7 +12,7 @@ const MAX_EXTENT: f64 = 1e37;
 /// Most cells of a linear hash: three passes of the sort.
 const MAX_CELLS: u32 = 1 << 24;
 /// Most cells to a radius.
-const MOST_REACH: f64 = 64.0;
+const MOST_REACH: f64 = 32.0;
 /// Radii that a map can have, m: where squared distances are far above those that count as none, and finite.
 pub const RADII: std::ops::RangeInclusive<f32> = 1e-9..=1e18;
 /// Most photons of a map.

@@ -104,7 +104,7 @@ impl PhotonMap {
         gather: Gather,
         out: &Buffer,
     ) -> Result<(), MapError> {
-        let kernel = irradiance_kernel(gather, k, self.grid.hash == HASH_LINEAR)?;
+        let kernel = irradiance_kernel(gather, k, device.is_gpu(), self.grid.hash == HASH_LINEAR)?;
         let search = self.plan_search(device, plan, queries, count, k, k + 1)?;
         plan.each(kernel, count, &self.estimate(&search, queries, out));
         Ok(())

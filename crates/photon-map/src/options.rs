@@ -23,7 +23,7 @@ pub enum Hash {
 /// How the nearest photons are found. All give the same bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Gather {
-    /// The fastest.
+    /// The fastest: by counting on a GPU, with a heap on the CPU.
     #[default]
     Auto,
     /// By counting distances, without a container.
@@ -71,13 +71,19 @@ pub fn capacity(k: u32) -> Result<u32, MapError> {
 }
 
 /// The kernel that estimates irradiance from `k` photons.
-pub(crate) fn irradiance_kernel(gather: Gather, k: u32, linear: bool) -> Result<Kernel, MapError> {
+pub(crate) fn irradiance_kernel(gather: Gather, k: u32, gpu: bool, linear: bool) -> Result<Kernel, MapError> {
     if k == 0 || k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
+    // A cache holds a heap; what a GPU has for a lane does not.
+    let gather = match gather {
+        Gather::Auto if gpu => Gather::Histogram,
+        Gather::Auto => Gather::Heap,
+        chosen => chosen,
+    };
     Ok(match (gather, capacity(k + 1)?) {
-        (Gather::Histogram | Gather::Auto, _) if linear => Kernel::IrradianceHistogram,
-        (Gather::Histogram | Gather::Auto, _) => Kernel::IrradianceHistogramHashed,
+        (Gather::Histogram, _) if linear => Kernel::IrradianceHistogram,
+        (Gather::Histogram, _) => Kernel::IrradianceHistogramHashed,
         (Gather::Heap, 17) => Kernel::IrradianceHeap17,
         (Gather::Heap, 65) => Kernel::IrradianceHeap65,
         (Gather::Heap, 257) => Kernel::IrradianceHeap257,

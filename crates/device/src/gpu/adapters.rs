@@ -176,8 +176,10 @@ fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport, precision: Prec
         precision,
         portable: !report.exact,
         software: report.kind == "software",
-        // Where the size can vary, subgroups need not be full. wgpu's translation of subgroup operations is another's word.
-        subgroup_lanes: (report.exact && report.subgroup[0] == report.subgroup[1]).then_some(report.subgroup[0]),
+        // Where the size can vary, subgroups need not be full. wgpu's translation of subgroup operations is another's word. The kernels
+        // that use them have up to 512 lanes.
+        subgroup_lanes: (report.exact && report.subgroup[0] == report.subgroup[1] && report.max_workgroup_lanes >= 512)
+            .then_some(report.subgroup[0]),
         device,
         queue,
         limits,

@@ -3,6 +3,25 @@
 use super::{DIGITS, RadixPass, SORT_BLOCK, digit};
 use crate::exec::{TURN_ITEMS, TURN_VALUES, Turns};
 
+/// Does something for the items 0, 1, … of a lane, eight a turn: drivers do not unroll such loops, and what is unrolled needs no
+/// memory for its registers.
+macro_rules! for_items {
+    ($items:expr, $item:ident => $body:block) => {
+        let mut first = 0;
+        while first < $items {
+            for_items!(@ first, $item, $body, 0 1 2 3 4 5 6 7);
+            first += 8;
+        }
+    };
+    (@ $first:ident, $item:ident, $body:block, $($n:literal)*) => {
+        $({
+            let $item = $first + $n;
+            $body
+        })*
+    };
+}
+pub(super) use for_items;
+
 /// Registers of a lane that handles `N` items.
 #[derive(Clone, Copy)]
 pub struct BlockRegisters<const N: usize> {
@@ -87,9 +106,14 @@ pub(super) fn scan_digits<const N: usize, const W: usize, L: Turns<BlockRegister
     at: u32,
     scratch: u32,
 ) {
+    // Lanes beyond the digits have none.
     let count = lanes.lanes();
-    let each = DIGITS / count;
+    let each = if count < DIGITS { DIGITS / count } else { 1 };
+    let count = DIGITS / each;
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
+        if lane >= count {
+            return;
+        }
         let mut sum = 0;
         let mut j = 0;
         while j < each {
@@ -103,14 +127,19 @@ pub(super) fn scan_digits<const N: usize, const W: usize, L: Turns<BlockRegister
     let mut step = 1;
     while step < count {
         lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
-            r.sums[1] = if lane >= step { shared[(scratch + lane - step) as usize] } else { 0 };
+            r.sums[1] = if lane >= step && lane < count { shared[(scratch + lane - step) as usize] } else { 0 };
         });
         lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
-            shared[(scratch + lane) as usize] += r.sums[1];
+            if lane < count {
+                shared[(scratch + lane) as usize] += r.sums[1];
+            }
         });
         step *= 2;
     }
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut [u32; W]| {
+        if lane >= count {
+            return;
+        }
         let mut sum = shared[(scratch + lane) as usize] - r.sums[0];
         let mut j = 0;
         while j < each {

@@ -70,6 +70,7 @@ mod tests {
     /// Lanes, subgroups of them, and an order: as GPUs and the CPU have them.
     macro_rules! on_all_shapes {
         ($lanes:ident => $body:block) => {
+            on_all_shapes!($lanes, 8, 32, $body);
             on_all_shapes!($lanes, 16, 32, $body);
             on_all_shapes!($lanes, 16, 64, $body);
             on_all_shapes!($lanes, 32, 8, $body);
@@ -170,7 +171,7 @@ mod tests {
                 let (mut keys_out, mut values_out) = (vec![0; count as usize], vec![u32::MAX; count as usize]);
                 for group in 0..=pass.blocks {
                     let (k, v) = (keys_out.as_mut_slice(), values_out.as_mut_slice());
-                    radix_scatter(lanes, group, &mut [9; 4864], &pass, &keys, &values, &offsets, &totals, k, v);
+                    radix_scatter(lanes, group, &mut [9; 5120], &pass, &keys, &values, &offsets, &totals, k, v);
                 }
                 let found: Vec<_> = keys_out.into_iter().zip(values_out).collect();
                 assert!(found == expected, "{count} keys");

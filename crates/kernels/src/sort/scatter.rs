@@ -1,11 +1,11 @@
 //! Last stage of a radix pass: every pair to its place.
 
-use super::block::{BlockRegisters, count_digits, items_of, scan_digits};
+use super::block::{BlockRegisters, count_digits, for_items, items_of, scan_digits};
 use super::{DIGITS, RadixPass, SORT_BLOCK, VALUES_INDICES, VALUES_NONE, digit};
 use crate::exec::{Store, Turns};
 
 /// Shared memory of a scattering workgroup: counters of up to 16 subgroups and then the block in its new order …
-pub type ScatterShared = [u32; 4864];
+pub type ScatterShared = [u32; 5120];
 /// … where the pairs of each digit begin in the block …
 const STARTS: u32 = SORT_BLOCK;
 /// … and in the output …
@@ -38,6 +38,10 @@ pub fn radix_scatter<
     if group >= pass.blocks {
         return;
     }
+    if lanes.lanes() == 1 {
+        one_by_one(lanes, group, shared, pass, keys, values, offsets, digit_totals, keys_out, values_out);
+        return;
+    }
     let count = lanes.lanes();
     let subgroup = lanes.subgroup_lanes();
     let first = group * SORT_BLOCK;
@@ -68,24 +72,20 @@ pub fn radix_scatter<
     scan_digits(lanes, shared, PLACES, SCRATCH);
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
         let table = lane / subgroup * DIGITS;
-        let mut item = 0;
-        while item < N as u32 {
+        for_items!(N as u32, item => {
             let d = digit(r.keys[item as usize], shift);
             let before = shared[(table + d) as usize];
             r.ranks[item as usize] += before + shared[(STARTS + d) as usize];
-            item += 1;
-        }
+        });
     });
     // 3. The keys in order, in the counters' memory.
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
         let [first, step] = items_of(lane, subgroup, N as u32);
-        let mut item = 0;
-        while item < N as u32 {
+        for_items!(N as u32, item => {
             if first + item * step < size {
                 shared[r.ranks[item as usize] as usize] = r.keys[item as usize];
             }
-            item += 1;
-        }
+        });
         let mut digit = lane;
         while digit < DIGITS {
             let start = shared[(STARTS + digit) as usize];
@@ -96,8 +96,7 @@ pub fn radix_scatter<
         }
     });
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
-        let mut item = 0;
-        while item < N as u32 {
+        for_items!(N as u32, item => {
             let i = item * count + lane;
             if i < size {
                 let key = shared[i as usize];
@@ -105,8 +104,7 @@ pub fn radix_scatter<
                 r.keys[item as usize] = place;
                 keys_out.set(place, key);
             }
-            item += 1;
-        }
+        });
     });
     // 4. The values after them.
     if pass.values == VALUES_NONE {
@@ -114,8 +112,7 @@ pub fn radix_scatter<
     }
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
         let [of_lane, step] = items_of(lane, subgroup, N as u32);
-        let mut item = 0;
-        while item < N as u32 {
+        for_items!(N as u32, item => {
             let at = of_lane + item * step;
             if at < size {
                 let mut value = first + at;
@@ -124,17 +121,60 @@ pub fn radix_scatter<
                 }
                 shared[r.ranks[item as usize] as usize] = value;
             }
-            item += 1;
-        }
+        });
     });
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
-        let mut item = 0;
-        while item < N as u32 {
+        for_items!(N as u32, item => {
             let i = item * count + lane;
             if i < size {
                 values_out.set(r.keys[item as usize], shared[i as usize]);
             }
-            item += 1;
+        });
+    });
+}
+
+/// What a single lane does: with nobody beside it, pairs go to their places one after another, and ranks are how far places have
+/// moved on.
+#[inline]
+fn one_by_one<
+    const N: usize,
+    L: Turns<BlockRegisters<N>>,
+    K: Store<u32> + ?Sized,
+    V: Store<u32> + ?Sized,
+>(
+    lanes: &mut L,
+    group: u32,
+    shared: &mut ScatterShared,
+    pass: &RadixPass,
+    keys: &[u32],
+    values: &[u32],
+    offsets: &[u32],
+    digit_totals: &[u32],
+    keys_out: &mut K,
+    values_out: &mut V,
+) {
+    let first = group * SORT_BLOCK;
+    let size = if pass.count - first < SORT_BLOCK { pass.count - first } else { SORT_BLOCK };
+    lanes.each(shared, move |_, _, shared: &mut ScatterShared| {
+        let mut sum = 0;
+        let mut d = 0;
+        while d < DIGITS {
+            shared[d as usize] = sum + offsets[(d * pass.blocks + group) as usize];
+            sum += digit_totals[d as usize];
+            d += 1;
+        }
+        let mut i = first;
+        while i < first + size {
+            let key = keys[i as usize];
+            let place = &mut shared[digit(key, pass.shift) as usize];
+            keys_out.set(*place, key);
+            if pass.values == VALUES_INDICES {
+                values_out.set(*place, i);
+            } else if pass.values != VALUES_NONE {
+                values_out.set(*place, values[i as usize]);
+            }
+            *place += 1;
+            i += 1;
         }
     });
 }
