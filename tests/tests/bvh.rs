@@ -1,174 +1,17 @@
 //! The tree gives what a loop over all primitives gives, to the bit, and takes fewer steps.
 
-use caustic_kernels::num::{pcg4d, u32_to_unit};
-use caustic_kernels::trace::vector::{cross, normalize};
+use caustic_device::{Device, Kernel, Plan};
+use caustic_kernels::layout::Query;
 use caustic_kernels::trace::{
-    BLOCKED, BvhNode, Hit, INNER, LEAF_BITS, MISS, NO_LIGHT, OCTANTS, PRIMITIVE_QUAD, Primitive, Slabs, closest_hit,
-    intersect, occluded, octant,
+    BLOCKED, BvhNode, Camera, CameraTile, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT, OCTANTS, Primitive,
+    SceneInfo, Slabs, Vertex, closest_hit, intersect, occluded, octant,
 };
-use caustic_renderer::scene::{CompiledScene, Scene};
-use caustic_tests::renders::parse;
+use caustic_renderer::scene::CompiledScene;
+use caustic_tests::gpu;
+use caustic_tests::maps::limits_loops;
+use caustic_tests::renders::{load, run, small};
+use caustic_tests::soups::{KINDS, Kind, Random, linear, ray, soup};
 use glam::Vec3;
-use std::fmt::Write;
-
-/// Random numbers from 0 to 1 in their order.
-struct Random([u32; 2]);
-
-impl Random {
-    fn next(&mut self) -> f32 {
-        self.0[1] += 1;
-        u32_to_unit(pcg4d([self.0[0], self.0[1], 0xb7, 0])[0])
-    }
-
-    fn below(&mut self, n: u32) -> u32 {
-        ((self.next() * n as f32) as u32).min(n - 1)
-    }
-
-    fn vector(&mut self) -> Vec3 {
-        Vec3::new(self.next(), self.next(), self.next()) * 2.0 - Vec3::ONE
-    }
-
-    fn direction(&mut self) -> Vec3 {
-        normalize(self.vector() + Vec3::new(0.0, 0.0, 1e-6))
-    }
-}
-
-/// Where the primitives of a soup are.
-#[derive(Clone, Copy, PartialEq, Debug)]
-enum Kind {
-    /// All over the place.
-    Spread,
-    /// On a few planes, parallel to the axes, over and over each other; every fourth is there twice.
-    Planes,
-    /// Around three points that are far from each other: coordinates are large and primitives small.
-    Clusters,
-    /// Thin quads, quads of almost parallel edges, and balls that touch each other or hold each other.
-    Degenerate,
-}
-const KINDS: [Kind; 4] = [Kind::Spread, Kind::Planes, Kind::Clusters, Kind::Degenerate];
-
-/// A scene of `n` primitives of about `unit` m, in a room ten times as large for each factor of a thousand in their number.
-fn soup(n: u32, unit: f64, kind: Kind, seed: u32) -> Scene {
-    let mut random = Random([seed, 0]);
-    let side = unit * f64::from(n).cbrt() * 0.6;
-    let text = |v: [f64; 3]| format!("[{:?}, {:?}, {:?}]", v[0], v[1], v[2]);
-    let vector = |random: &mut Random, length: f64| random.vector().to_array().map(|x| f64::from(x) * length);
-    let mut quads = String::new();
-    let mut spheres = String::new();
-    let mut last = String::new();
-    for i in 0..n {
-        let mut at = vector(&mut random, side);
-        let mut u = vector(&mut random, unit);
-        let mut v = vector(&mut random, unit);
-        let mut radius = unit * (0.2 + 0.5 * f64::from(random.next()));
-        match kind {
-            Kind::Spread => (),
-            Kind::Planes => {
-                let axis = i as usize % 3;
-                at[axis] = side * f64::from(i % 2);
-                (u, v) = ([0.0; 3], [0.0; 3]);
-                u[(axis + 1) % 3] = unit * f64::from(1 + i % 4);
-                v[(axis + 2) % 3] = -unit * f64::from(1 + i % 3);
-                radius = unit / 2.0;
-            }
-            Kind::Clusters => {
-                at = std::array::from_fn(|k| at[k] / 3.0 + [0.0, 300.0, -1000.0][(i as usize + k) % 3] * unit)
-            }
-            Kind::Degenerate => {
-                let factor = 10f64.powi(-((i % 6) as i32)).max(2e-6 / unit);
-                if i % 2 == 0 {
-                    u = u.map(|x| x * factor);
-                } else {
-                    v = std::array::from_fn(|k| u[k] + v[k] * factor);
-                }
-                radius = unit * (1.0 + factor);
-                at = at.map(|x| (x / unit / 2.0).round() * 2.0 * unit);
-            }
-        }
-        // No shorter than a scene may have them.
-        let longer = |v: [f64; 3]| {
-            let length = v.map(|x| x * x).iter().sum::<f64>().sqrt();
-            v.map(|x| x * (1.1e-6 / length).max(1.0))
-        };
-        if i % 3 == 2 {
-            let radius = radius.max(1e-6);
-            write!(spheres, "[[spheres]]\ncentre = {}\nradius = {radius:?}\nmaterial = 'm'\n", text(at)).unwrap();
-            continue;
-        }
-        let quad = format!(
-            "[[quads]]\ncorner = {}\nedge_u = {}\nedge_v = {}\nmaterial = 'm'\n",
-            text(at),
-            text(longer(u)),
-            text(longer(v))
-        );
-        quads += if kind == Kind::Planes && i % 4 == 0 && !last.is_empty() { &last } else { &quad };
-        last = quad;
-    }
-    parse(&format!(
-        "[camera]\nposition = {}\ntarget = {}\nup = [0.1, 1, 0.2]\nvertical_fov_degrees = 60\n[materials.m]\nkind = 'mirror'\n\
-         reflectance = [1, 1, 1]\n{quads}{spheres}[[lights]]\nkind = 'point'\nposition = {}\nintensity = [1, 1, 1]\n",
-        text([side, side, side]),
-        text([0.0, 0.1 * side, 0.0]),
-        text([0.0, side, 0.0])
-    ))
-}
-
-/// The loop over all primitives.
-fn linear(origin: Vec3, direction: Vec3, primitives: &[Primitive]) -> Hit {
-    let mut best = Hit { t: f32::MAX, primitive: MISS };
-    for (i, primitive) in primitives.iter().enumerate() {
-        let t = intersect(origin, direction, primitive);
-        if t > 0.0 && t < best.t {
-            best = Hit { t, primitive: i as u32 };
-        }
-    }
-    best
-}
-
-/// A ray of the kinds that paths have, and of those that rounding is worst for. It starts where `last` met something.
-fn ray(random: &mut Random, scene: &CompiledScene, side: f32, last: Vec3) -> (Vec3, Vec3) {
-    let primitive = scene.primitives[random.below(scene.info.primitives) as usize];
-    let centre = Vec3::from_array(primitive.position);
-    let normal = Vec3::from_array(primitive.normal);
-    let mut origin = match random.below(6) {
-        0 => centre,
-        1 | 2 => last,
-        3 => centre + random.vector() * primitive.size.min(side),
-        4 if primitive.kind != PRIMITIVE_QUAD => centre + random.direction() * primitive.size,
-        _ => random.vector() * side,
-    };
-    let direction = match random.below(8) {
-        0 => [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z][random.below(6) as usize],
-        1 => {
-            // In a plane of two axes, or almost.
-            let mut d = random.direction();
-            d[random.below(3) as usize] = [0.0, -0.0, 1e-38, -1e-20, 1e-9][random.below(5) as usize];
-            normalize(d)
-        }
-        // Straight at something, and at an edge of its box.
-        2 | 3 if origin != centre => normalize(centre - origin),
-        4 => {
-            let sphere = primitive.kind != PRIMITIVE_QUAD;
-            let corner =
-                if sphere { random.direction() * primitive.size } else { random.vector().signum() * side * 1e-3 };
-            normalize(centre + corner - origin + Vec3::splat(side * 1e-7))
-        }
-        // Along a surface.
-        5 if primitive.kind == PRIMITIVE_QUAD => {
-            let along = normalize(cross(normal, random.direction()));
-            origin = centre - along * (side * 0.1 * random.next());
-            normalize(along + random.vector() * [0.0, 1e-8, 1e-6, 1e-3][random.below(4) as usize])
-        }
-        5 => {
-            let outwards = random.direction();
-            let along = normalize(cross(outwards, random.direction()));
-            origin = centre + outwards * primitive.size;
-            normalize(along + outwards * [0.0, 1e-9, -1e-9, 1e-4, -1e-4][random.below(5) as usize])
-        }
-        _ => random.direction(),
-    };
-    (origin, direction)
-}
 
 /// Rays of which the tree and the loop say something else, and rays that met something, out of `rays`.
 fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u32, u32) {
@@ -266,7 +109,9 @@ fn the_lists_are_trees() {
                 assert!(end > i && end <= count);
                 assert_eq!(node.leaf != INNER, end == i + 1);
                 let first = node.leaf & ((1 << LEAF_BITS) - 1);
-                (0..node.leaf >> LEAF_BITS).for_each(|k| seen[(first + k) as usize] += 1);
+                for k in 0..node.leaf >> LEAF_BITS {
+                    seen[(first + k) as usize] += 1;
+                }
                 for axis in 0..3 {
                     let sign = if list >> axis & 1 == 0 { 1.0 } else { -1.0 };
                     let within = |inner: &BvhNode| {
@@ -317,4 +162,70 @@ fn the_cost_of_a_ray_grows_like_a_tree() {
     let [few, many] = [steps(1000), steps(10_000)];
     println!("boxes and primitives a ray: {few:?} of 1000, {many:?} of 10,000");
     assert!(many[0] < 120.0 && many[1] < 12.0 && many[0] < 2.0 * few[0], "{few:?}, {many:?}");
+}
+
+/// A tree that is a chain of more nodes than 16 bits count, its one primitive last: llvmpipe does not come to its end, and says so.
+#[test]
+fn a_ray_that_does_not_come_to_its_end_is_lost() {
+    const NODES: u32 = 70_000;
+    let node = |i: u32| {
+        let (list, at) = (i / NODES, i % NODES);
+        let z = if list >> 2 == 0 { -9.0 } else { 9.0 };
+        let leaf = if at + 1 < NODES { INNER } else { 1 << LEAF_BITS };
+        BvhNode {
+            near: [-9.0, -9.0, z],
+            skip: list * NODES + if leaf == INNER { NODES } else { at + 1 },
+            far: [9.0, 9.0, -z],
+            leaf,
+        }
+    };
+    let nodes: Vec<BvhNode> = (0..OCTANTS * NODES).map(node).collect();
+    let info = SceneInfo { primitives: 1, nodes: NODES, ..SceneInfo::default() };
+    let wall =
+        Primitive { light: NO_LIGHT, position: [0.0, 0.0, -2.0], normal: [0.0, 0.0, 1.0], ..Primitive::default() };
+    for device in [Some(&Device::cpu()), gpu()].into_iter().flatten() {
+        let tile = device.upload("tile", &[CameraTile { pixels: 1, samples: 1, ..CameraTile::default() }]).unwrap();
+        let camera = Camera { width: 1, height: 1, corner: [0.0, 0.0, -1.0], ..Camera::default() };
+        let camera = device.upload("camera", &[camera]).unwrap();
+        let info = device.upload("info", &[info]).unwrap();
+        let nodes = device.upload("nodes", &nodes).unwrap();
+        let primitives = device.upload("primitives", &[wall]).unwrap();
+        let materials = device.upload("materials", &[Material::default()]).unwrap();
+        let lights = device.buffer::<Light>("lights", 0).unwrap();
+        let queries = device.buffer::<Query>("queries", 1).unwrap();
+        let vertices = device.buffer::<Vertex>("vertices", 1).unwrap();
+        let mut plan = Plan::new();
+        let buffers = [&tile, &camera, &info, &nodes, &primitives, &materials, &lights, &queries, &vertices];
+        plan.each(Kernel::TraceCamera, 1, &buffers);
+        device.run(&plan).unwrap();
+        let found: Vec<Vertex> = device.read(&vertices, 1).unwrap();
+        assert_eq!(found[0].primitive, if limits_loops(device) { LOST } else { 0 }, "{}", device.name());
+    }
+}
+
+/// A path has a segment more than it has bounces, and a sample at most one ray to a light.
+#[test]
+fn rays_are_counted() {
+    let scene = load("cornell");
+    let settings = small(&scene);
+    let report = run(&scene, &settings, &Device::cpu()).report;
+    for map in &report.maps {
+        // Photons are stored at the ends of segments, at one each at the most.
+        assert!(
+            map.segments > u64::from(map.photons_stored) && map.segments >= u64::from(map.photons_emitted),
+            "{map:?}"
+        );
+        assert!(map.segments < 10 * u64::from(map.photons_emitted), "{map:?}");
+    }
+    let samples = u64::from(settings.size[0] * settings.size[1] * settings.spp);
+    assert!(report.camera_rays > samples && report.camera_rays < 4 * samples, "{}", report.camera_rays);
+    // In a furnace that a photon never leaves, every segment ends on the wall, where all but the first photon are stored.
+    let scene = load("furnace");
+    let report = run(&scene, &small(&scene), &Device::cpu()).report;
+    let map = &report.maps[0];
+    assert_eq!(map.segments, u64::from(map.photons_stored + map.photons_emitted));
+    if let Some(gpu) = gpu() {
+        let of_gpu = run(&scene, &small(&scene), gpu).report;
+        assert_eq!((map.segments, report.camera_rays), (of_gpu.maps[0].segments, of_gpu.camera_rays));
+    }
 }

@@ -268,6 +268,31 @@ mod tests {
         assert!(met > 3000, "{met}");
     }
 
+    /// Whatever rounding does to a ray that touches a sphere where it starts, its hit is on the sphere.
+    #[test]
+    fn a_hit_is_on_the_sphere_even_of_a_tangent() {
+        let mut met = 0;
+        for i in 0..200_000u32 {
+            let random = crate::num::pcg4d([i, 0x7a9e, 0, 0]).map(|x| x as f32 / 2_147_483_648.0 - 1.0);
+            let outward = normalize(Vec3::new(random[0], random[1], random[2] + 1e-6));
+            let across = normalize(super::super::vector::cross(outward, Vec3::new(random[3], 0.3, random[0])));
+            let origin = outward * (1.0 + ((i % 7) as f32 - 3.0) * 6e-8);
+            let slope = [0.0, 1e-10, -1e-10, 1e-7, -1e-7, 1e-4, -1e-4, -1e-2][(i / 7 % 8) as usize];
+            let direction = normalize(across + outward * slope);
+            let t = intersect(origin, direction, &sphere(1.0));
+            if t > 0.0 {
+                met += 1;
+                let along = |axis: usize| f64::from(origin[axis]) + f64::from(direction[axis]) * f64::from(t);
+                let at = (along(0).powi(2) + along(1).powi(2) + along(2).powi(2)).sqrt();
+                assert!(
+                    (at - 1.0).abs() < 2048.0 / f64::from(1 << 24),
+                    "{at} from the centre after {t}, slope {slope}"
+                );
+            }
+        }
+        assert!(met > 20_000, "{met}");
+    }
+
     #[test]
     fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
         let mut i = 0;
