@@ -88,6 +88,9 @@ fn tell(report: &RenderReport, output: &Path) {
             map.bytes as f64 / f64::from(1 << 20)
         );
     }
+    if let Some(line) = speed(report) {
+        eprintln!("{line}");
+    }
     for note in &report.notes {
         eprintln!("note: {note}");
     }
@@ -101,6 +104,34 @@ fn tell(report: &RenderReport, output: &Path) {
     if report.complete {
         eprintln!("wrote {}", output.display());
     }
+}
+
+/// How fast photons and rays were, by the times of the stages that trace. A photon path is walked twice, to count and to store,
+/// and both walks are in its time; so are they in the rays.
+fn speed(report: &RenderReport) -> Option<String> {
+    let stage = |name: &str| report.stages.iter().find(|stage| stage.stage == name).map(|stage| stage.ms);
+    let (mut photons, mut rays, mut photon_ms) = (0, 0, 0.0);
+    for map in &report.maps {
+        photons += u64::from(map.photons_emitted);
+        for walk in ["count_photons", "store_photons"] {
+            if let Some(ms) = stage(&format!("{}/{walk}", map.map)) {
+                rays += map.segments;
+                photon_ms += ms;
+            }
+        }
+    }
+    let camera_ms: f64 =
+        ["trace_camera", "shade_direct"].into_iter().filter_map(|s| stage(&format!("image/{s}"))).sum();
+    let millions = |count: u64, ms: f64| format!("{:.1} million", count as f64 / ms / 1e3);
+    let image = format!("{} rays/s of the image", millions(report.camera_rays, camera_ms));
+    (camera_ms > 0.0).then(|| {
+        if photon_ms > 0.0 {
+            let (photons, rays) = (millions(photons, photon_ms), millions(rays, photon_ms));
+            format!("speed: {photons} photons/s emitted, {rays} rays/s of photon paths, {image}")
+        } else {
+            format!("speed: {image}")
+        }
+    })
 }
 
 /// Whether an error is the input's or the machine's fault.

@@ -8,6 +8,7 @@ mod oracle;
 pub mod points;
 pub mod program;
 pub mod renders;
+pub mod soups;
 mod words;
 
 pub use gpu::gpu;

@@ -13,8 +13,15 @@ fn verify_compares_every_stage_and_prints_a_table() {
     };
     let gpu: Vec<&str> = gpu.iter().map(String::as_str).collect();
     let text = succeeds(&folder, &[&["verify", "--seed", "5"], &gpu[..]].concat()).stdout;
-    for part in ["stage", "radix_scatter", "irradiance_histogram", "picture of cornell", "SHA-256 of furnace", "seed 5"]
-    {
+    for part in [
+        "stage",
+        "radix_scatter",
+        "irradiance_histogram",
+        "picture of cornell",
+        "SHA-256 of furnace",
+        "SHA-256 of crowd",
+        "seed 5",
+    ] {
         assert!(text.contains(part), "no `{part}` in {text}");
     }
     let all = text.lines().find(|line| line.starts_with("all ")).expect("a sum");

@@ -93,8 +93,8 @@ fn bad_samples_are_left_out_and_counted() {
     let direct = [lit(0), lit(0), lit(0), lit(0), lit(CUT_SHORT), lit(0), lit(CUT_SHORT), lit(0)];
     for device in [Some(&Device::cpu()), gpu()].into_iter().flatten() {
         let film = develop(device, vertices.as_flattened(), &direct, 4);
-        let first = Pixel { rgb: [1.0; 3], covered: 3, not_finite: 2, lost: 0, cut_short: 0 };
-        let second = Pixel { rgb: [f32::MAX / 4.0; 3], covered: 2, not_finite: 1, lost: 2, cut_short: 2 };
+        let first = Pixel { rgb: [1.0; 3], covered: 3, not_finite: 2, lost: 0, cut_short: 0, rays: 0 };
+        let second = Pixel { rgb: [f32::MAX / 4.0; 3], covered: 2, not_finite: 1, lost: 2, cut_short: 2, rays: 2 };
         assert_same_words(&device.name(), &[first, second], &film);
     }
 }

@@ -7,7 +7,7 @@ use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Sit
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -42,16 +42,17 @@ records! {
     RadixPass: "uuuu",
     ScanParams: "uu",
     PhotonPass: "uuuuuu",
-    SceneInfo: "uuu",
+    SceneInfo: "uuuu",
+    BvhNode: "fffufffu",
     Primitive: "uuufffffffffffff",
     Material: "fffuff",
     Light: "fffufffuffffffffffff",
     Target: "ffff",
     CameraTile: "uuuu",
     Camera: "fffufffuffffff",
-    Vertex: "fffuffffff",
+    Vertex: "fffuffffffu",
     FilmTile: "uuuu",
-    Pixel: "fffuuuu",
+    Pixel: "fffuuuuu",
     // Bits of operands and results, NaN among them.
     Arithmetic: "uuuuuuuuuuuuuuuuuu",
     ArithmeticParams: "uuu",

@@ -151,21 +151,23 @@ macro_rules! stages {
             ) = gather::gather_neighbours;
 
             each CountPhotons = count_photons [64] (
-                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 materials: In Material,
-                4 lights: In Light, 5 targets: In Target, 6 counts: Out u32, 7 fates: Out u32
+                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
+                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 counts: Out u32, 8 fates: Out u32,
+                9 segments: Out u32
             ) = trace::count_photons;
             each StorePhotons = store_photons [64] (
-                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 materials: In Material,
-                4 lights: In Light, 5 targets: In Target, 6 counts: In u32, 7 offsets: In u32, 8 block_offsets: In u32,
-                9 photons: Out Photon
+                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
+                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 counts: In u32, 8 offsets: In u32,
+                9 block_offsets: In u32, 10 photons: Out Photon
             ) = trace::store_photons;
             each TraceCamera = trace_camera [64] (
-                0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 queries: Out Query, 7 vertices: Out Vertex
+                0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
+                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 queries: Out Query,
+                8 vertices: Out Vertex
             ) = trace::trace_camera;
             each ShadeDirect = shade_direct [64] (
-                0 tile: One CameraTile, 1 info: One SceneInfo, 2 primitives: In Primitive, 3 lights: In Light,
-                4 queries: In Query, 5 vertices: In Vertex, 6 direct: Out Irradiance
+                0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
+                4 lights: In Light, 5 queries: In Query, 6 vertices: In Vertex, 7 direct: Out Irradiance
             ) = trace::shade_direct;
             each DevelopFilm = develop_film [64] (
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
@@ -186,8 +188,8 @@ macro_rules! stages {
                 0 radix: In RadixPass, 1 scan: In ScanParams, 2 pass: In PhotonPass, 3 targets: In Target, 4 words: Out u32
             ) = probe::layout_sort;
             each LayoutScene = layout_scene [64] (
-                0 info: In SceneInfo, 1 primitives: In Primitive, 2 materials: In Material, 3 lights: In Light,
-                4 words: Out u32
+                0 info: In SceneInfo, 1 nodes: In BvhNode, 2 primitives: In Primitive, 3 materials: In Material,
+                4 lights: In Light, 5 words: Out u32
             ) = probe::layout_scene;
             each LayoutFilm = layout_film [64] (
                 0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,

@@ -3,6 +3,7 @@
 pub mod output;
 pub mod scene;
 
+mod crowd;
 mod error;
 mod photons;
 mod render;

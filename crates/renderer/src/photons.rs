@@ -19,6 +19,7 @@ const MAX_STORED: u32 = 1 << 30;
 /// The scene in a device's buffers.
 pub(crate) struct SceneBuffers {
     pub(crate) info: Buffer,
+    pub(crate) nodes: Buffer,
     pub(crate) primitives: Buffer,
     pub(crate) materials: Buffer,
     pub(crate) lights: Buffer,
@@ -29,6 +30,7 @@ impl SceneBuffers {
     pub(crate) fn new(device: &Device, scene: &CompiledScene) -> Result<Self, RenderError> {
         Ok(Self {
             info: device.upload("scene: info", &[scene.info])?,
+            nodes: device.upload("scene: nodes", &scene.nodes)?,
             primitives: device.upload("scene: primitives", &scene.primitives)?,
             materials: device.upload("scene: materials", &scene.materials)?,
             lights: device.upload("scene: lights", &scene.lights)?,
@@ -68,6 +70,7 @@ pub(crate) fn photon_map(
         map: kind.map,
         photons_emitted: kind.emitted,
         photons_stored: 0,
+        segments: 0,
         paths_cut: 0,
         table_entries: 0,
         bytes: 0,
@@ -87,9 +90,10 @@ pub(crate) fn photon_map(
         let goes_on = progress(Progress { phase: kind.phase, done: done as u64, total });
         if goes_on { Ok(()) } else { Err(RenderError::Interrupted) }
     };
-    let SceneBuffers { info, primitives, materials, lights, targets } = buffers;
+    let SceneBuffers { info, nodes, primitives, materials, lights, targets } = buffers;
 
     let fates = device.buffer::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
+    let segments = device.buffer::<u32>("photon segments", u64::from(emitted.min(CHUNK)))?;
     let mut landed = 0u64;
     for (i, pass) in chunks.iter().enumerate() {
         tick(i)?;
@@ -99,16 +103,19 @@ pub(crate) fn photon_map(
         plan.each(
             Kernel::CountPhotons,
             pass.paths,
-            &[&params, info, primitives, materials, lights, targets, &counts, &fates],
+            &[&params, info, nodes, primitives, materials, lights, targets, &counts, &fates, &segments],
         );
         let [_, _, block_fates] = scan(device, &mut plan, &fates, pass.paths)?;
+        let [_, _, block_segments] = scan(device, &mut plan, &segments, pass.paths)?;
         device.run(&plan)?;
-        for fates in device.read::<u32>(&block_fates, u64::from(pass.paths.div_ceil(SCAN_BLOCK)))? {
+        let blocks = u64::from(pass.paths.div_ceil(SCAN_BLOCK));
+        report.segments += device.read::<u32>(&block_segments, blocks)?.into_iter().map(u64::from).sum::<u64>();
+        for fates in device.read::<u32>(&block_fates, blocks)? {
             landed += u64::from(fates % FATE_CUT / FATE_LANDED);
             report.paths_cut += fates / FATE_CUT;
         }
     }
-    drop(fates);
+    drop((fates, segments));
     let mut plan = Plan::new();
     plan.scope(kind.map);
     let [offsets, block_offsets, block_totals] = scan(device, &mut plan, &counts, emitted)?;
@@ -146,7 +153,19 @@ pub(crate) fn photon_map(
         plan.each(
             Kernel::StorePhotons,
             pass.paths,
-            &[&params, info, primitives, materials, lights, targets, &counts, &offsets, &block_offsets, &unsorted],
+            &[
+                &params,
+                info,
+                nodes,
+                primitives,
+                materials,
+                lights,
+                targets,
+                &counts,
+                &offsets,
+                &block_offsets,
+                &unsorted,
+            ],
         );
         device.run(&plan)?;
     }

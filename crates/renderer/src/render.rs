@@ -76,6 +76,7 @@ pub fn render(
         complete,
         seconds: start.elapsed().as_secs_f64(),
         maps,
+        camera_rays: count(|pixel| pixel.rays),
         notes,
         stages: device.stage_times(),
         buffers: device.buffer_bytes(),
@@ -202,7 +203,7 @@ impl Camera<'_> {
         [tile, film_tile, film]: [&Buffer; 3],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, .. } = *self;
-        let SceneBuffers { info, primitives, materials, lights, .. } = self.buffers;
+        let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
         let [width, height] = settings.size;
         let samples = pixels * settings.spp;
         let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
@@ -215,10 +216,14 @@ impl Camera<'_> {
         plan.each(
             Kernel::TraceCamera,
             samples,
-            &[tile, &camera, info, primitives, materials, lights, &queries, &vertices],
+            &[tile, &camera, info, nodes, primitives, materials, lights, &queries, &vertices],
         );
         if parts & PART_DIRECT != 0 {
-            plan.each(Kernel::ShadeDirect, samples, &[tile, info, primitives, lights, &queries, &vertices, &direct]);
+            plan.each(
+                Kernel::ShadeDirect,
+                samples,
+                &[tile, info, nodes, primitives, lights, &queries, &vertices, &direct],
+            );
         }
         let mut estimates = Vec::new();
         for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {

@@ -23,6 +23,8 @@ pub struct MapReport {
     pub photons_emitted: u32,
     /// Photons stored.
     pub photons_stored: u32,
+    /// Segments of all paths: rays traced, each from one surface to the next.
+    pub segments: u64,
     /// Paths that were given up after too many bounces; their light is missing.
     pub paths_cut: u32,
     /// Entries of the hash table.
@@ -42,6 +44,8 @@ pub struct RenderReport {
     pub seconds: f64,
     /// The maps that were built.
     pub maps: Vec<MapReport>,
+    /// Rays of the image: of camera paths, and towards the lights.
+    pub camera_rays: u64,
     /// What was left out and why, and what is worth a look.
     pub notes: Vec<String>,
     /// Time a stage.

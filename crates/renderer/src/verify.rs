@@ -1,5 +1,6 @@
-//! Whether a GPU computes what the CPU computes: every kernel on random inputs, and a small render of each built-in scene.
+//! Whether a GPU computes what the CPU computes: every kernel on random inputs, and small renders.
 
+use crate::crowd::{CROWD, crowd};
 use crate::scene::{BUILT_IN, Scene};
 use crate::{Progress, RenderError, Settings, Show, render};
 use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, StageComparison};
@@ -69,7 +70,8 @@ impl Verification {
     }
 }
 
-/// Runs every kernel on the CPU and on `gpu`, each stage with the same inputs, and renders each built-in scene on both. With
+/// Runs every kernel on the CPU and on `gpu`, each stage with the same inputs, and renders each built-in scene and one
+/// of many random surfaces on both. With
 /// `gpu_from`, the GPU goes on with its own results from that stage on, and pictures are compared as the film's stage.
 ///
 /// `progress` is told what is done, and stops the work by returning false.
@@ -82,7 +84,7 @@ pub fn verify(
     seed: u32,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Verification, RenderError> {
-    let total = 6 + BUILT_IN.len() as u64;
+    let total = 7 + BUILT_IN.len() as u64;
     let mut done = 0;
     let mut tick = |phase| {
         let goes_on = progress(Progress { phase, done, total });
@@ -106,15 +108,19 @@ pub fn verify(
         map(&twin, hash, seed)?;
     }
     let mut images = Vec::new();
-    for (built_in, hash) in BUILT_IN.iter().zip([Hash::Linear, Hash::Teschner, Hash::Morton].into_iter().cycle()) {
-        tick(built_in.name)?;
+    let built_in = BUILT_IN.iter().map(|built_in| {
         let Ok(scene) = Scene::parse(built_in.name, built_in.text) else { unreachable!("built-in scenes are tested") };
+        (built_in.name, scene)
+    });
+    let scenes = built_in.chain(std::iter::once_with(|| (CROWD, crowd(seed))));
+    for ((name, scene), hash) in scenes.zip([Hash::Linear, Hash::Teschner, Hash::Morton].into_iter().cycle()) {
+        tick(name)?;
         let settings = small(&scene, hash, seed);
         let expected = render(&scene, &settings, &twin, &mut |_| true)?.image;
         if gpu_from.is_none() {
             let found = render(&scene, &settings, gpu, &mut |_| true)?.image;
             images.push(ImageComparison {
-                scene: built_in.name,
+                scene: name,
                 difference: Difference::of::<f32>("image", expected.rgb.as_flattened(), found.rgb.as_flattened()),
                 cpu_sha256: expected.sha256(),
                 gpu_sha256: found.sha256(),
@@ -257,6 +263,6 @@ mod tests {
             }
             assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
         }
-        assert_eq!(records, 19);
+        assert_eq!(records, 20);
     }
 }

@@ -10,7 +10,7 @@ use crate::grid::{Grid, Row};
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
 };
 
 /// Words that a layout kernel writes at most.
@@ -99,7 +99,8 @@ layouts! {
     );
     /// Records of scenes.
     layout_scene(
-        info: SceneInfo { primitives, lights, targets },
+        info: SceneInfo { primitives, lights, targets, nodes },
+        nodes: BvhNode { near, skip, far, leaf },
         primitives: Primitive { kind, material, light, size, position, normal, duals },
         materials: Material { reflectance, kind, ior, survival },
         lights: Light { emission, kind, position, primitive, edges, normal, area, probability, cumulative }
@@ -108,8 +109,8 @@ layouts! {
     layout_film(
         camera: Camera { origin, width, corner, height, right, down },
         tile: CameraTile { first_pixel, pixels, samples, seed },
-        vertices: Vertex { normal, primitive, weight, emitted },
+        vertices: Vertex { normal, primitive, weight, emitted, rays },
         film_tile: FilmTile { first_pixel, pixels, samples, parts },
-        film: Pixel { rgb, covered, not_finite, lost, cut_short }
+        film: Pixel { rgb, covered, not_finite, lost, cut_short, rays }
     );
 }

@@ -1,6 +1,7 @@
 //! Camera paths, down to the first diffuse surface.
 
 use super::MAX_BOUNCES;
+use super::bvh::BvhNode;
 use super::intersect::{LOST, MISS, closest_hit, leave, surface_at};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
@@ -60,6 +61,8 @@ pub struct Vertex {
     pub weight: [f32; 3],
     /// Radiance that the path found on lights, W·sr⁻¹·m⁻², times its throughput.
     pub emitted: [f32; 3],
+    /// Rays that the path took.
+    pub rays: u32,
 }
 
 /// Follows sample `i` of the tile through mirrors and glass to the first diffuse surface.
@@ -69,6 +72,7 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     tile: &CameraTile,
     camera: &Camera,
     info: &SceneInfo,
+    nodes: &[BvhNode],
     primitives: &[Primitive],
     materials: &[Material],
     lights: &[Light],
@@ -90,10 +94,11 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     let mut origin = Vec3::from_array(camera.origin);
     let mut throughput = Vec3::ONE;
     let mut query = Query { position: [0.0; 3], active: 0 };
-    let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3] };
+    let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
-        let hit = closest_hit(origin, direction, info, primitives);
+        vertex.rays += 1;
+        let hit = closest_hit(origin, direction, info, nodes, primitives);
         if hit.primitive == MISS || hit.primitive == LOST {
             vertex.primitive = hit.primitive;
             break;

@@ -1,5 +1,6 @@
 //! Light that arrives straight from the lights, by shadow rays.
 
+use super::bvh::BvhNode;
 use super::camera::{CameraTile, Vertex, pixel_sobol};
 use super::emission::{choose_light, light_point};
 use super::intersect::{LOST, MISS, leave, occluded};
@@ -15,12 +16,13 @@ const POINT_KEY: u32 = 0x5f1a_0001;
 const CHOICE_KEY: u32 = 0x5f1a_0002;
 
 /// Irradiance of vertex `i` from one point of one light: L·cos θ·cos θ'·A / d² over the light's chance, or I·cos θ / d² for
-/// a point light. Glass blocks shadow rays: what it lets through is a caustic.
+/// a point light. Glass blocks shadow rays: what it lets through is a caustic. In place of photons it counts shadow rays.
 #[inline]
 pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
     i: u32,
     tile: &CameraTile,
     info: &SceneInfo,
+    nodes: &[BvhNode],
     primitives: &[Primitive],
     lights: &[Light],
     queries: &[Query],
@@ -56,7 +58,8 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
                 }
             }
             if geometry > 0.0 {
-                let blocker = occluded(origin, direction, distance, light.primitive, info, primitives);
+                let blocker = occluded(origin, direction, distance, light.primitive, info, nodes, primitives);
+                result.photons = 1;
                 if blocker == MISS {
                     result.rgb = (Vec3::from_array(light.emission) * geometry).to_array();
                 } else if blocker == LOST {

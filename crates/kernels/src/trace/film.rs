@@ -44,6 +44,8 @@ pub struct Pixel {
     pub lost: u32,
     /// Searches and shadow rays of its samples that the device ended early: what they found is wrong.
     pub cut_short: u32,
+    /// Rays of its samples: of camera paths and towards lights.
+    pub rays: u32,
 }
 
 /// Means the samples of pixel `i` of the tile, in their order, into the film.
@@ -66,7 +68,7 @@ pub fn develop_film<P: Store<Pixel> + ?Sized>(
     }
     let mut sum = Vec3::ZERO;
     let mut lost_digits = Vec3::ZERO;
-    let mut pixel = Pixel { rgb: [0.0; 3], covered: 0, not_finite: 0, lost: 0, cut_short: 0 };
+    let mut pixel = Pixel { rgb: [0.0; 3], covered: 0, not_finite: 0, lost: 0, cut_short: 0, rays: 0 };
     let mut sample = 0;
     while sample < tile.samples {
         let at = (i * tile.samples + sample) as usize;
@@ -76,7 +78,9 @@ pub fn develop_film<P: Store<Pixel> + ?Sized>(
         if tile.parts & PART_DIRECT != 0 {
             radiance += Vec3::from_array(vertex.emitted);
             irradiance += Vec3::from_array(direct[at].rgb);
-            pixel.cut_short += u32::from(direct[at].photons == CUT_SHORT);
+            let cut_short = direct[at].photons == CUT_SHORT;
+            pixel.cut_short += u32::from(cut_short);
+            pixel.rays += if cut_short { 1 } else { direct[at].photons };
         }
         if tile.parts & PART_GLOBAL != 0 {
             irradiance += Vec3::from_array(global[at].rgb);
@@ -96,6 +100,7 @@ pub fn develop_film<P: Store<Pixel> + ?Sized>(
         } else {
             pixel.not_finite += 1;
         }
+        pixel.rays += vertex.rays;
         pixel.lost += u32::from(vertex.primitive == LOST);
         pixel.covered += u32::from(vertex.primitive < LOST);
         sample += 1;

@@ -4,6 +4,7 @@
 //! after mirrors and glass alone is `caustic` (L S⁺ D in Heckbert's notation), and what was diffusely reflected before
 //! is `global`. Each part is estimated in one way only, so nothing is counted twice.
 
+mod bvh;
 mod camera;
 mod direct;
 mod emission;
@@ -14,10 +15,11 @@ mod photons;
 mod scene;
 pub mod vector;
 
+pub use bvh::{BvhNode, INNER, LEAF_BITS, OCTANTS, Slabs, octant};
 pub use camera::{Camera, CameraTile, Vertex, trace_camera};
 pub use direct::shade_direct;
 pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_film};
-pub use intersect::{Hit, LOST, MISS, closest_hit, occluded};
+pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, intersect, occluded};
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
     LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,

@@ -4,6 +4,7 @@
 //! has given each path its place, to store it. So the map has exactly the size it needs, photons have the same order on
 //! every device, and none is dropped for want of room.
 
+use super::bvh::BvhNode;
 use super::emission::emit;
 use super::intersect::{MISS, closest_hit, leave, surface_at};
 use super::material::scatter_specular;
@@ -45,26 +46,32 @@ pub const FATE_LANDED: u32 = 1;
 /// A path's fate: it was given up after [`MAX_BOUNCES`].
 pub const FATE_CUT: u32 = 1 << 16;
 const _: () = assert!(SCAN_BLOCK < FATE_CUT);
+// The segments of a block are added up in 32 bits.
+const _: () = assert!(SCAN_BLOCK <= u32::MAX / MAX_BOUNCES);
 
-/// Counts the photons that the `i`-th path of the dispatch stores, and says what became of it.
+/// Counts the photons that the `i`-th path of the dispatch stores, and says what became of it and
+/// how many segments, rays from one surface to the next, it had.
 #[inline]
-pub fn count_photons<C: Store<u32> + ?Sized, F: Store<u32> + ?Sized>(
+pub fn count_photons<C: Store<u32> + ?Sized, F: Store<u32> + ?Sized, S: Store<u32> + ?Sized>(
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
+    nodes: &[BvhNode],
     primitives: &[Primitive],
     materials: &[Material],
     lights: &[Light],
     targets: &[Target],
     counts: &mut C,
     fates: &mut F,
+    segments: &mut S,
 ) {
     if i < pass.paths {
         let path = pass.first + i;
-        let walked = walk(path, pass, info, primitives, materials, lights, targets, |_, _| {});
+        let walked = walk(path, pass, info, nodes, primitives, materials, lights, targets, |_, _| {});
         counts.set(path, walked.stored);
         let landed = if walked.landed { FATE_LANDED } else { 0 };
         fates.set(i, landed + if walked.cut { FATE_CUT } else { 0 });
+        segments.set(i, walked.segments);
     }
 }
 
@@ -75,6 +82,7 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
+    nodes: &[BvhNode],
     primitives: &[Primitive],
     materials: &[Material],
     lights: &[Light],
@@ -88,7 +96,7 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
         let path = pass.first + i;
         let place = offsets[path as usize] + block_offsets[(path / SCAN_BLOCK) as usize];
         let counted = counts[path as usize];
-        walk(path, pass, info, primitives, materials, lights, targets, move |n, photon| {
+        walk(path, pass, info, nodes, primitives, materials, lights, targets, move |n, photon| {
             // Exact walks agree. A driver may contract this kernel and the one that counted differently.
             if n < counted {
                 photons.set(place + n, photon);
@@ -101,6 +109,8 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
 struct Walked {
     /// Photons it stored.
     stored: u32,
+    /// Rays it took.
+    segments: u32,
     /// Whether it reached a diffuse surface.
     landed: bool,
     /// Whether it was given up after [`MAX_BOUNCES`].
@@ -113,13 +123,14 @@ fn walk<F: FnMut(u32, Photon)>(
     path: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
+    nodes: &[BvhNode],
     primitives: &[Primitive],
     materials: &[Material],
     lights: &[Light],
     targets: &[Target],
     mut store: F,
 ) -> Walked {
-    let mut walked = Walked { stored: 0, landed: false, cut: false };
+    let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false };
     let rng = Rng { seed: pass.seed, stream: pass.rays, index: path };
     let start = emit(path, pass, info, lights, targets);
     let mut power = start.power;
@@ -136,7 +147,8 @@ fn walk<F: FnMut(u32, Photon)>(
     let mut specular_bounces = 0;
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
-        let hit = closest_hit(origin, direction, info, primitives);
+        walked.segments += 1;
+        let hit = closest_hit(origin, direction, info, nodes, primitives);
         if hit.primitive == MISS {
             return walked;
         }

@@ -29,6 +29,8 @@ pub struct SceneInfo {
     pub lights: u32,
     /// Number of specular objects at which caustic photons are aimed.
     pub targets: u32,
+    /// Number of nodes of the tree for each octant of directions.
+    pub nodes: u32,
 }
 
 /// A quad or a sphere.
@@ -101,7 +103,7 @@ pub struct Target {
 }
 
 const _: () = {
-    assert!(size_of::<SceneInfo>() == 12);
+    assert!(size_of::<SceneInfo>() == 16);
     assert!(size_of::<Primitive>() == 64);
     assert!(size_of::<Material>() == 24);
     assert!(size_of::<Light>() == 80);

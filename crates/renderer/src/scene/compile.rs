@@ -1,10 +1,11 @@
 //! From a checked scene to the kernels' records. Everything is computed in f64 and rounded once.
 
+use super::bvh;
 use super::content::{Content, NOTHING, Shape, Substance, Surface};
 use super::lights::{Source, chances};
 use caustic_kernels::trace::{
-    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
-    PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
+    BvhNode, LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material,
+    NO_LIGHT, OCTANTS, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
 };
 use glam::DVec3;
 
@@ -13,6 +14,8 @@ use glam::DVec3;
 pub struct CompiledScene {
     /// How many of each there are.
     pub info: SceneInfo,
+    /// The tree over the primitives: [`SceneInfo::nodes`] nodes for each octant of directions.
+    pub nodes: Vec<BvhNode>,
     /// Quads, then spheres, each in the file's order.
     pub primitives: Vec<Primitive>,
     /// Materials in the order of their names.
@@ -51,6 +54,7 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
     let reach = content.reach();
     let primitives: Vec<Primitive> =
         content.surfaces.iter().zip(&light_of).map(|(surface, &light)| primitive(surface, light, reach)).collect();
+    let nodes = bvh::nodes(&primitives, reach);
     let targets: Vec<Target> = content.surfaces.iter().filter(|surface| specular(surface)).map(target).collect();
     let has_diffuse = targets.len() < primitives.len();
     let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
@@ -59,12 +63,14 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
             primitives: primitives.len() as u32,
             lights: lights.len() as u32,
             targets: targets.len() as u32,
+            nodes: nodes.len() as u32 / OCTANTS,
         },
         materials: content.materials.iter().map(material).collect(),
         diffuse_bounds: bounds(content.surfaces.iter().filter(|surface| !specular(surface))),
         has_specular: !targets.is_empty(),
         has_diffuse,
         emitted_power_w: power.to_array(),
+        nodes,
         primitives,
         lights,
         targets,

@@ -2,7 +2,7 @@
 
 /// Most bytes of a scene file.
 pub const MAX_FILE_BYTES: u64 = 16 << 20;
-/// Most surfaces a scene may have: every ray is tested against every one.
+/// Most surfaces a scene may have: so few that their tree takes 32 MiB at the most.
 pub const MAX_SURFACES: usize = 65_536;
 /// Most lights a scene may have, so that the weakest is still drawn now and then.
 pub const MAX_LIGHTS: usize = 4096;

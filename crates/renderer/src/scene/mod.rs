@@ -13,6 +13,7 @@
 //! ```
 
 mod builtin;
+mod bvh;
 mod camera;
 mod check;
 mod compile;
