@@ -1,5 +1,9 @@
 //! The command line.
 
+mod bench;
+
+pub use bench::BenchArguments;
+
 use caustic_device::{DeviceChoice, Precision};
 use caustic_photon_map::{Gather, Hash};
 use caustic_renderer::Show;
@@ -18,7 +22,9 @@ use std::path::PathBuf;
         caustic render cornell -o caustic.png --show map-caustic --caustic-photons 10000\n  \
         caustic render my_scene.toml -o picture.png --hash teschner --device cpu\n  \
         caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
-        caustic verify --device gpu\n\n\
+        caustic verify --device gpu\n  \
+        caustic bench --quick\n  \
+        caustic bench --filter gather --json rows.json --svg plots\n\n\
         Exit codes: 0 done, 1 the device or disk failed, 2 the input was wrong, 130 interrupted."
 )]
 pub struct Arguments {
@@ -34,6 +40,8 @@ pub enum Command {
     Map(MapArguments),
     /// Runs every kernel and small renders on a GPU and on the CPU with fresh random inputs, and compares them bit for bit.
     Verify(VerifyArguments),
+    /// Measures sorts, photon maps, gathers, tracing and frames over many sizes, and checks every result.
+    Bench(Box<BenchArguments>),
     /// Lists the devices: limits, subgroup sizes, and whether they can run the exact kernels.
     Info {
         /// Prints JSON instead of a table.
@@ -120,7 +128,7 @@ pub struct RenderArguments {
 
 #[derive(Args)]
 pub struct MapArguments {
-    /// uniform:N, surface:N or clustered:N for synthetic photons in a unit cube, or a text file with `x y z` a line.
+    /// uniform:N, surface:N, clustered:N or cell:N for synthetic photons in a unit cube, or a text file with `x y z` a line.
     #[arg(long, value_name = "FILE|KIND:N", default_value = "uniform:1000000")]
     pub photons: String,
     /// Number of queries, drawn like the photons.
