@@ -108,8 +108,13 @@ pub fn run(cases: &[Case], device: &Device, options: &Options, tell: &mut dyn Fn
                 queries: case.kind.queries(n),
                 outcome,
             };
-            tell(Event::Row(&row));
+            let goes_on = tell(Event::Row(&row));
             suite.rows.push(row);
+            if !goes_on {
+                // This row may have fewer runs than were asked for, which it says.
+                suite.interrupted = true;
+                break 'cases;
+            }
         }
     }
     suite
