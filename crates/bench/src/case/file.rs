@@ -85,7 +85,10 @@ pub(super) struct CaseFile {
 pub fn parse(file: &str, text: &str) -> Result<Case, CaseError> {
     let fields: CaseFile = toml::from_str(text).map_err(|error| {
         let start = error.span().map_or(text.len(), |span| span.start);
-        CaseError::at(file, text, start, error.message())
+        // serde names Rust's types.
+        let words = [("expected i64", "expected a whole number"), ("expected f64", "expected a number")];
+        let problem = words.iter().fold(error.message().to_string(), |text, (from, to)| text.replace(from, to));
+        CaseError::at(file, text, start, &problem)
     })?;
     check(file, text, &fields)
 }

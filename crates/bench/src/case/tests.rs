@@ -37,7 +37,7 @@ fn bad_cases_are_refused_with_place_field_and_remedy() {
     for (from, to, parts) in [
         ("k = 10", "k = 2000", &["mine.toml:7:1", "`k`", "2000", "1 to 1024"][..]),
         ("k = 10", "k = 0", &["`k`", "1 to 1024"]),
-        ("k = 10", "k = \"ten\"", &["mine.toml:7:5", "integer"]),
+        ("k = 10", "k = \"ten\"", &["mine.toml:7:5", "whole number"]),
         ("k = 10\n", "", &["mine.toml:1:1", "`k` is missing", "gather"]),
         ("k = 10", "kk = 10", &["mine.toml:7:1", "unknown field `kk`"]),
         ("k = 10", "k = 10\nbits = 24", &["mine.toml:8:1", "`bits`", "not used", "gather", "remove"]),
