@@ -76,7 +76,7 @@ pub fn run(cases: &[Case], device: &Device, options: &Options, tell: &mut dyn Fn
             if options.quick && !runs(case, n) {
                 continue;
             }
-            let mut outcome = Err(Trouble::Skip(above(largest, options, device)));
+            let mut outcome = Err(Trouble::Skip(above(largest, options)));
             if runs(case, n) {
                 if !tell(Event::Begin(case, n, done / all)) {
                     suite.interrupted = true;
@@ -120,10 +120,11 @@ pub fn run(cases: &[Case], device: &Device, options: &Options, tell: &mut dyn Fn
     suite
 }
 
-fn above(largest: u32, options: &Options, device: &Device) -> String {
-    let chosen = if options.max_n.is_some() { "--max-n" } else { "the bound of a CPU" };
-    let remedy = if device.is_gpu() { "" } else { "; --max-n raises it" };
-    format!("N is above {largest}, {chosen}{remedy}")
+fn above(largest: u32, options: &Options) -> String {
+    match options.max_n {
+        Some(n) => format!("N is above --max-n {n}"),
+        None => format!("N is above {largest}, the bound of a CPU; --max-n raises it"),
+    }
 }
 
 /// What is wrong with a row's results.

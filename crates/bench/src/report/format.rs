@@ -61,10 +61,10 @@ pub(crate) fn targets(measured: &Measured) -> String {
     measured.targets.iter().map(one).collect::<Vec<_>>().join("; ")
 }
 
-/// Peers, by how many times our time they take.
+/// Peers: their medians, and how many times our time that is.
 pub(crate) fn peers(measured: &Measured) -> String {
-    let one = |peer: &crate::row::Peer| match peer.over_ours {
-        Some(over) => format!("{} {over:.2}×", peer.name),
+    let one = |peer: &crate::row::Peer| match peer.stages_ms.or(peer.wall_ms).zip(peer.over_ours) {
+        Some((time, over)) => format!("{} {} ({over:.2}×)", peer.name, milliseconds(time.median)),
         None => format!("{} –", peer.name),
     };
     measured.peers.iter().map(one).collect::<Vec<_>>().join(", ")

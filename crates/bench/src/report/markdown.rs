@@ -6,7 +6,7 @@ use crate::row::{Outcome, Row};
 /// A table of rows.
 #[must_use]
 pub fn markdown(rows: &[Row]) -> String {
-    let mut text = "| case | N | time | middle half | runs | throughput | of a copy | result | target | peers, their time over ours |\n\
+    let mut text = "| case | N | time | middle half | runs | throughput | of a copy | result | target | peers (their time over ours) |\n\
                     | --- | --: | --: | --: | --: | --: | --: | --- | --- | --- |\n"
         .to_string();
     for row in rows {
@@ -52,6 +52,6 @@ mod tests {
         for line in text.lines() {
             assert_eq!(line.replace("\\|", "").matches('|').count(), 11, "{line}");
         }
-        assert!(text.contains("| case-a | 1 M | 12.3 ms |") && text.contains("other 2.00×"), "{text}");
+        assert!(text.contains("| case-a | 1 M | 12.3 ms |") && text.contains("other 24.6 ms (2.00×)"), "{text}");
     }
 }

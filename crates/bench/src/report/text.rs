@@ -86,7 +86,7 @@ pub fn footer(suite: &Suite) -> String {
             .filter_map(|row| Some((row, row.measured().filter(|m| !m.peers.is_empty())?)))
             .map(|(row, m)| format!("{} {}: {}", row.case, size(row.n), peers(m)))
             .collect();
-        text += &format!("\nsummary of peers, their time over ours:\n  {}", all.join("\n  "));
+        text += &format!("\npeers (their time over ours):\n  {}", all.join("\n  "));
     }
     text
 }
