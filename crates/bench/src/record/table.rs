@@ -25,7 +25,8 @@ pub fn table(records: &[Record]) -> String {
         if let Some(copy) = record.copy_bytes_per_second {
             text += &format!("; a copy reads and writes {:.0} GB/s", copy / 1e9);
         }
-        text += &format!(" (`{}`)\n\n", record.command);
+        let interrupted = if record.complete { "" } else { ", interrupted before its end" };
+        text += &format!(" (`{}`{interrupted})\n\n", record.command);
         text += &markdown(&chosen(&record.rows));
         let growth: Vec<_> = record
             .growth
