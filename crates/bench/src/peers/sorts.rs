@@ -36,10 +36,10 @@ pub(super) fn all(
     let threads = format!("{} threads", rayon::current_num_threads());
     let data = Data { keys, sorted };
     let by_bytes = match bits.div_ceil(8) {
-        1 => data.time::<1>(policy, goes_on, |pairs| pairs.radix_sort_unstable()),
-        2 => data.time::<2>(policy, goes_on, |pairs| pairs.radix_sort_unstable()),
-        3 => data.time::<3>(policy, goes_on, |pairs| pairs.radix_sort_unstable()),
-        _ => data.time::<4>(policy, goes_on, |pairs| pairs.radix_sort_unstable()),
+        1 => data.time::<1>(policy, goes_on, RadixSort::radix_sort_unstable),
+        2 => data.time::<2>(policy, goes_on, RadixSort::radix_sort_unstable),
+        3 => data.time::<3>(policy, goes_on, RadixSort::radix_sort_unstable),
+        _ => data.time::<4>(policy, goes_on, RadixSort::radix_sort_unstable),
     };
     let parallel = data.time::<4>(policy, goes_on, |pairs| pairs.par_sort_unstable_by_key(|pair| pair.key));
     let one = data.time::<4>(policy, goes_on, |pairs| pairs.sort_unstable_by_key(|pair| pair.key));
