@@ -1,5 +1,9 @@
 //! The command line.
 
+mod bench;
+
+pub use bench::BenchArguments;
+
 use caustic_device::{DeviceChoice, Precision};
 use caustic_photon_map::{Gather, Hash, RADII};
 use caustic_renderer::Show;
@@ -18,7 +22,9 @@ use std::path::PathBuf;
         caustic render cornell -o caustic.png --show map-caustic --caustic-photons 10000\n  \
         caustic render my_scene.toml -o picture.png --hash teschner --device cpu\n  \
         caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
-        caustic verify --device gpu\n\n\
+        caustic verify --device gpu\n  \
+        caustic bench --quick\n  \
+        caustic bench --filter gather --json rows.json --svg plots\n\n\
         Exit codes: 0 done, 1 the device or disk failed, 2 the input was wrong, 130 interrupted."
 )]
 pub struct Arguments {
@@ -34,6 +40,8 @@ pub enum Command {
     Map(MapArguments),
     /// Runs every kernel and small renders on a GPU and on the CPU with fresh random inputs, and compares them bit for bit.
     Verify(VerifyArguments),
+    /// Measures sorts, photon maps, gathers, tracing and frames over many sizes, and checks every result.
+    Bench(Box<BenchArguments>),
     /// Lists the devices: limits, subgroup sizes, and whether they can run the exact kernels.
     Info {
         /// Prints JSON instead of a table.
@@ -120,7 +128,7 @@ pub struct RenderArguments {
 
 #[derive(Args)]
 pub struct MapArguments {
-    /// uniform:N, surface:N or clustered:N for synthetic photons in a unit cube, or a text file with `x y z` a line.
+    /// uniform:N, surface:N, clustered:N or cell:N for synthetic photons in a unit cube, or a text file with `x y z` a line.
     #[arg(long, value_name = "FILE|KIND:N", default_value = "uniform:1000000")]
     pub photons: String,
     /// Number of queries, drawn like the photons.
@@ -283,107 +291,4 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    const WORDS: [&str; 62] = [
-        "render",
-        "map",
-        "info",
-        "scene",
-        "list",
-        "verify",
-        "cornell",
-        "furnace",
-        "no_such_scene",
-        "-o",
-        "--output",
-        "a.png",
-        "a.exr",
-        "--size",
-        "640x480",
-        "0x0",
-        "1x",
-        "x",
-        "99999999x9",
-        "-1x-1",
-        "--photons",
-        "--caustic-photons",
-        "--k",
-        "--radius",
-        "--hash",
-        "linear",
-        "teschner",
-        "morton",
-        "--gather",
-        "heap",
-        "list",
-        "histogram",
-        "auto",
-        "--precision",
-        "exact",
-        "fast",
-        "--spp",
-        "--seed",
-        "--show",
-        "beauty",
-        "map-caustic",
-        "--device",
-        "cpu",
-        "gpu",
-        "gpu:",
-        "gpu:0",
-        "--json",
-        "--quiet",
-        "--queries",
-        "--repeat",
-        "--gpu-from",
-        "0",
-        "-1",
-        "1",
-        "4294967296",
-        "1e400",
-        "nan",
-        "-inf",
-        "--",
-        "",
-        "\u{1b}[31m",
-        "ü=",
-    ];
-
-    #[test]
-    fn the_command_line_is_well_formed() {
-        Arguments::command().debug_assert();
-    }
-
-    /// Any words give arguments or one sentence. `CAUSTIC_FUZZ` sets how many are tried.
-    #[test]
-    fn any_command_line_is_arguments_or_a_sentence() {
-        let count = std::env::var("CAUSTIC_FUZZ").ok().map_or(5000, |count| count.parse().expect("a number"));
-        let (mut good, mut bad) = (0, 0);
-        for seed in 0..count {
-            let random = |step: u32| caustic_kernels::num::pcg4d([seed, step, 0xc11, 0])[0] as usize;
-            let mut words = vec!["caustic"];
-            // A command and its scene first, more often than chance would have it.
-            if random(0) % 4 > 0 {
-                words.push(["render", "map", "verify"][random(1) % 3]);
-            }
-            if random(2) % 4 > 0 {
-                words.extend([["cornell", "-o", "a.png"].as_slice(), &["--seed", "7"], &["--json"]][random(3) % 3]);
-            }
-            for step in 0..random(4) as u32 % 6 {
-                words.push(WORDS[random(5 + step) % WORDS.len()]);
-            }
-            match Arguments::try_parse_from(&words) {
-                Ok(_) => good += 1,
-                Err(error) => {
-                    bad += 1;
-                    let sentence = crate::first_sentence(&error);
-                    assert!(!sentence.trim().is_empty() && !sentence.contains('\n'), "{words:?}: {sentence:?}");
-                }
-            }
-        }
-        assert!(good > count / 100 && bad > count / 10, "{good} good, {bad} bad");
-    }
-}
+mod tests;

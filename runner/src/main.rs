@@ -1,6 +1,7 @@
 //! The command-line program: parse, validate, run, report.
 
 mod args;
+mod bench;
 mod info;
 mod map;
 mod progress;
@@ -46,6 +47,11 @@ impl Failure {
         Self { code: 130, message: "interrupted; nothing was written".to_string() }
     }
 
+    /// The user stopped a benchmark: exit code 130.
+    pub fn interrupted_bench(rows: usize) -> Self {
+        Self { code: 130, message: format!("interrupted; {rows} rows were finished and written") }
+    }
+
     /// The user stopped the program and what there was is in the file: exit code 130.
     pub fn interrupted(output: &std::path::Path) -> Self {
         let message = format!("interrupted; {} holds the rows that were finished, the rest is black", output.display());
@@ -71,6 +77,7 @@ fn main() -> ExitCode {
         Command::Render(arguments) => render::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Info { json } => info::devices(json),
         Command::Scene { command: SceneCommand::List { json } } => info::scenes(json),
     };

@@ -2,10 +2,10 @@
 
 use crate::Failure;
 use crate::args::MapArguments;
+use caustic_bench::points::{Distribution, Points};
 use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::gather::distance2;
 use caustic_kernels::layout::{Irradiance, Neighbour, Photon, Query};
-use caustic_kernels::num::Rng;
 use caustic_photon_map::{MapError, MapOptions, PhotonMap, bounds, plan_grid};
 use std::time::Instant;
 
@@ -15,11 +15,7 @@ const CHECKED: usize = 64;
 /// Builds, searches, checks and reports.
 pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let source = Source::parse(&arguments.photons)?;
-    let positions = source.photons()?;
-    let queries: Vec<Query> =
-        (0..arguments.queries).map(|i| Query { position: source.query(i, &positions), active: 1 }).collect();
-    let photons: Vec<Photon> =
-        positions.iter().map(|&position| Photon { position, power: [1.0; 3], ..Photon::default() }).collect();
+    let (photons, queries) = source.draw(arguments.k, arguments.queries)?;
     let radius = arguments.radius.unwrap_or_else(|| source.radius(photons.len(), arguments.k));
     let options = MapOptions { radius, hash: arguments.hash.into(), table: None, cell: None };
     let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
@@ -142,12 +138,8 @@ fn check(
 
 /// Where photons come from.
 enum Source {
-    /// Evenly in the unit cube.
-    Uniform(u32),
-    /// Evenly on the six faces of the unit cube.
-    Surface(u32),
-    /// Nine of ten in a thousandth of the cube's volume.
-    Clustered(u32),
+    /// So many of a distribution.
+    Drawn(Distribution, u32),
     /// A text file.
     File(std::path::PathBuf),
 }
@@ -159,50 +151,38 @@ impl Source {
             number.ok_or_else(|| Failure::input(format!("--photons {text}: the number must be 1 to {}", 1 << 28)))
         };
         match text.split_once(':') {
-            Some(("uniform", n)) => Ok(Self::Uniform(number(n)?)),
-            Some(("surface", n)) => Ok(Self::Surface(number(n)?)),
-            Some(("clustered", n)) => Ok(Self::Clustered(number(n)?)),
+            Some(("uniform", n)) => Ok(Self::Drawn(Distribution::Uniform, number(n)?)),
+            Some(("surface", n)) => Ok(Self::Drawn(Distribution::Surface, number(n)?)),
+            Some(("clustered", n)) => Ok(Self::Drawn(Distribution::Caustic, number(n)?)),
+            Some(("cell", n)) => Ok(Self::Drawn(Distribution::Cell, number(n)?)),
             _ => Ok(Self::File(text.into())),
         }
     }
 
-    fn photons(&self) -> Result<Vec<[f32; 3]>, Failure> {
+    /// Photons, and queries drawn like them.
+    fn draw(&self, k: u32, queries: u32) -> Result<(Vec<Photon>, Vec<Query>), Failure> {
         match self {
-            Self::Uniform(n) | Self::Surface(n) | Self::Clustered(n) => Ok((0..*n).map(|i| self.draw(0, i)).collect()),
-            Self::File(path) => read(path),
-        }
-    }
-
-    fn query(&self, i: u32, photons: &[[f32; 3]]) -> [f32; 3] {
-        match self {
-            Self::File(_) => photons[i as usize % photons.len()],
-            _ => self.draw(1, i),
-        }
-    }
-
-    fn draw(&self, stream: u32, index: u32) -> [f32; 3] {
-        let [x, y, z, w] = Rng { seed: 0, stream, index }.draw4(0);
-        match self {
-            Self::Surface(_) => {
-                let face = (w * 6.0) as u32;
-                let mut position = [x, y, z];
-                position[face as usize % 3] = (face / 3) as f32;
-                position
+            Self::Drawn(distribution, n) => {
+                let points = Points::new(*distribution, *n, k);
+                Ok((points.photons(*n), points.queries(queries)))
             }
-            Self::Clustered(_) if w < 0.9 => [0.45 + 0.1 * x, 0.45 + 0.1 * y, 0.45 + 0.1 * z],
-            _ => [x, y, z],
+            Self::File(path) => {
+                let positions = read(path)?;
+                let query = |i: u32| Query { position: positions[i as usize % positions.len()], active: 1 };
+                let queries = (0..queries).map(query).collect();
+                let photon = |position| Photon { position, power: [1.0; 3], ..Photon::default() };
+                Ok((positions.into_iter().map(photon).collect(), queries))
+            }
         }
     }
 
     /// A radius within which 2·k photons are expected around an average query.
     fn radius(&self, photons: usize, k: u32) -> f32 {
-        let wanted = 2.0 * f64::from(k) / photons.max(1) as f64;
-        let radius = match self {
-            Self::Surface(_) => (6.0 * wanted / std::f64::consts::PI).sqrt(),
-            Self::Clustered(_) => 0.1 * (wanted / 0.9 * 0.75 / std::f64::consts::PI).cbrt(),
-            _ => (wanted * 0.75 / std::f64::consts::PI).cbrt(),
+        let distribution = match self {
+            Self::Drawn(distribution, _) => *distribution,
+            Self::File(_) => Distribution::Uniform,
         };
-        radius.min(1.0) as f32
+        distribution.radius(photons as u32, k)
     }
 }
 

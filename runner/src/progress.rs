@@ -5,6 +5,19 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
+/// A flag that Ctrl-C sets; the second one ends the program at once.
+fn stop_on_signal() -> Arc<AtomicBool> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let on_signal = Arc::clone(&stop);
+    // Without a handler Ctrl-C ends the program at once, which also leaves no file behind.
+    let _ = ctrlc::set_handler(move || {
+        if on_signal.swap(true, Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    stop
+}
+
 /// A progress bar that also knows whether the user wants to stop.
 pub struct Monitor {
     bar: ProgressBar,
@@ -18,15 +31,7 @@ impl Monitor {
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
         let style = ProgressStyle::with_template("{msg:16} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
-        let stop = Arc::new(AtomicBool::new(false));
-        let on_signal = Arc::clone(&stop);
-        // Without a handler Ctrl-C ends the program at once, which also leaves no file behind.
-        let _ = ctrlc::set_handler(move || {
-            if on_signal.swap(true, Relaxed) {
-                std::process::exit(130);
-            }
-        });
-        Self { bar, phase: "", stop }
+        Self { bar, phase: "", stop: stop_on_signal() }
     }
 
     /// Shows how far the work is. Returns whether it should go on.
@@ -38,6 +43,46 @@ impl Monitor {
         }
         self.bar.set_length(progress.total);
         self.bar.set_position(progress.done);
+        !self.stop.load(Relaxed)
+    }
+
+    /// Removes the bar.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Steps of the bar of a benchmark, whose work is a share of all.
+const STEPS: f64 = 10_000.0;
+
+/// A progress bar below the rows of a benchmark.
+pub struct BenchMonitor {
+    bar: ProgressBar,
+    stop: Arc<AtomicBool>,
+}
+
+impl BenchMonitor {
+    /// A bar on standard error, hidden if that is no terminal.
+    pub fn new() -> Self {
+        let bar = ProgressBar::new(STEPS as u64);
+        let style = ProgressStyle::with_template("{msg:32} [{bar:30}] {percent:>3} %  {elapsed} elapsed, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
+        Self { bar, stop: stop_on_signal() }
+    }
+
+    /// Says what begins, and how much of all is done.
+    pub fn begin(&self, what: &str, done: f64) {
+        self.bar.set_message(what.to_string());
+        self.bar.set_position((done * STEPS) as u64);
+    }
+
+    /// Prints a finished line to standard output.
+    pub fn print(&self, line: &str) {
+        self.bar.suspend(|| println!("{line}"));
+    }
+
+    /// Whether the user has not stopped it.
+    pub fn goes_on(&self) -> bool {
         !self.stop.load(Relaxed)
     }
 
