@@ -166,10 +166,9 @@ mod tests {
             let points = Points::new(Distribution::Cell, n, k);
             let radius = Distribution::Cell.radius(n, k);
             let (low, high) = bounds("photons", (0..n).map(|i| points.photon(i))).unwrap();
-            let options = MapOptions { radius, hash: Hash::Linear, table: None };
-            let grid = plan_grid(low, high, n.into(), &options).unwrap();
-            // One inner cell, and a margin of one on each side.
-            assert_eq!(grid.cells, [3; 3], "{n} {k}");
+            let options = MapOptions { radius, hash: Hash::Linear, table: None, cell: Some(radius) };
+            let grid = plan_grid(low, high, n.into(), &[], &options).unwrap();
+            assert_eq!(grid.cells, [1; 3], "{n} {k}");
         }
     }
 

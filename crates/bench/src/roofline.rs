@@ -1,8 +1,7 @@
 //! The roofline of bytes: how fast the device copies, measured in the same run.
 
 use caustic_device::{Device, Kernel, Plan};
-use caustic_kernels::grid::Grid;
-use caustic_kernels::layout::Photon;
+use caustic_kernels::layout::Site;
 use rayon::prelude::*;
 use std::time::{Duration, Instant};
 
@@ -10,8 +9,8 @@ use std::time::{Duration, Instant};
 const CPU_BYTES: usize = 256 << 20;
 /// Bytes of one task of a copy.
 const TASK_BYTES: usize = 1 << 20;
-/// Photons that a GPU copies: 128 MiB, the largest buffer that every adapter has.
-const GPU_PHOTONS: u32 = 1 << 22;
+/// Quads that a GPU copies: 128 MiB, the largest buffer that every adapter has.
+const GPU_QUADS: u32 = 1 << 23;
 /// Copies that are measured; the fastest counts.
 const COPIES: usize = 9;
 const ENOUGH: Duration = Duration::from_secs(2);
@@ -33,21 +32,12 @@ fn copy_on_cpu() -> f64 {
     2.0 * CPU_BYTES as f64 / fastest(copy)
 }
 
-/// TO BE REPLACED by a kernel that only copies. Until there is one, photons are brought into the order that they have: 36 bytes
-/// read and 32 written a photon, all in sequence. None if that stage is not as it was when this was written.
+/// A kernel that copies.
 fn copy_on_gpu(device: &Device) -> Option<f64> {
-    let reorder = Kernel::named("reorder_photons")?;
-    let names: Vec<_> = reorder.bindings().iter().map(|binding| binding.name).collect();
-    if names != ["grid", "order", "photons", "sorted"] {
-        return None;
-    }
-    let count = GPU_PHOTONS;
-    let grid = device.upload("copy: grid", &[Grid { photons: count, ..bytemuck::Zeroable::zeroed() }]).ok()?;
-    let order = device.upload("copy: order", &(0..count).collect::<Vec<_>>()).ok()?;
-    let from = device.buffer::<Photon>("copy: from", count.into()).ok()?;
-    let to = device.buffer::<Photon>("copy: to", count.into()).ok()?;
+    let from = device.buffer::<Site>("copy: from", GPU_QUADS.into()).ok()?;
+    let to = device.buffer::<Site>("copy: to", GPU_QUADS.into()).ok()?;
     let mut plan = Plan::new();
-    plan.each(reorder, count, &[&grid, &order, &from, &to]);
+    plan.each(Kernel::CopyQuads, GPU_QUADS, &[&from, &to]);
     device.run(&plan).ok()?;
     let mut best = f64::INFINITY;
     for _ in 0..COPIES {
@@ -57,7 +47,7 @@ fn copy_on_gpu(device: &Device) -> Option<f64> {
         // Without time stamps there is nothing to compare stages with.
         best = if ms > 0.0 { best.min(ms) } else { best };
     }
-    let bytes = f64::from(count) * (4 + 2 * size_of::<Photon>()) as f64;
+    let bytes = f64::from(GPU_QUADS) * (2 * size_of::<Site>()) as f64;
     best.is_finite().then(|| bytes / (best * 1e-3))
 }
 

@@ -177,6 +177,9 @@ macro_rules! stages {
             each ProbeArithmetic = probe_arithmetic [64] (
                 0 params: One ArithmeticParams, 1 results: Out Arithmetic
             ) = probe::arithmetic;
+            each CopyQuads = copy_quads [256] (
+                0 input: In Site, 1 output: Out Site
+            ) = probe::copy_quads;
             each LayoutMap = layout_map [64] (
                 0 photons: In Photon, 1 queries: In Query, 2 neighbours: In Neighbour, 3 irradiance: In Irradiance,
                 4 words: Out u32

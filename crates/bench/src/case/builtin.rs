@@ -19,6 +19,7 @@ cases!(
     "gather-U-k100",
     "gather-S-k50",
     "gather-U-k50-neighbours",
+    "density-S-m200",
     "gather-C-k50",
     "gather-X-k50",
     "cpu-gather-U-k10",

@@ -30,6 +30,8 @@ pub enum Output {
     Estimate,
     /// Its k nearest photons and their distances.
     Neighbours,
+    /// An estimate from all photons within the radius.
+    Density,
 }
 
 /// Hash functions, as case files call them.

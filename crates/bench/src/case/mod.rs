@@ -109,6 +109,8 @@ impl Kind {
     #[must_use]
     pub fn queries(&self, n: u32) -> Option<u32> {
         match self {
+            // A picture has its pixels however many photons there are.
+            Self::Gather { queries, output: Output::Density, .. } => Some(*queries),
             Self::Gather { queries, .. } => Some(n.min(*queries)),
             _ => None,
         }

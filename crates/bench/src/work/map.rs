@@ -22,12 +22,22 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    /// Appends the construction of a map of `n` photons to a plan, as the part `build`.
-    pub(super) fn new(device: &Device, plan: &mut Plan, points: &Points, n: u32, map: &Map) -> Result<Self, Trouble> {
+    /// Appends the construction of a map of `n` photons to a plan, as the part `build`. Cells are as wide as `cell`, if it says how
+    /// wide.
+    pub(super) fn new(
+        device: &Device,
+        plan: &mut Plan,
+        points: &Points,
+        n: u32,
+        map: &Map,
+        cell: Option<f32>,
+    ) -> Result<Self, Trouble> {
         let photons = points.photons(n);
         let (low, high) = bounds("photons", photons.iter().map(|photon| photon.position))?;
-        let options = MapOptions { radius: map.radius(n), hash: map.hash, table: None };
-        let grid = plan_grid(low, high, n.into(), &options)?;
+        let options = MapOptions { radius: map.radius(n), hash: map.hash, table: None, cell };
+        let stride = photons.len().div_ceil(4096).max(1);
+        let sample: Vec<_> = photons.iter().step_by(stride).map(|photon| photon.position).collect();
+        let grid = plan_grid(low, high, n.into(), &sample, &options)?;
         let unsorted = device.upload("photons", &photons)?;
         plan.scope("build");
         let map = PhotonMap::plan(device, plan, &unsorted, grid)?;
@@ -55,10 +65,17 @@ pub(super) fn check(
     let queries = &queries[..exact::checked(queries.len(), photons.len())];
     let radius2 = map.grid().radius2;
     let expected = exact::nearest(photons, queries, k as usize, radius2);
+    if output == Output::Density {
+        let all = exact::nearest(photons, queries, photons.len(), radius2);
+        let estimates = map.density(device, queries)?;
+        let differ = estimates.iter().zip(&all);
+        let differ = differ.filter(|(e, all)| !exact::is_estimate(e, photons, all, photons.len(), radius2));
+        return Ok((queries.len(), differ.count()));
+    }
     let neighbours = map.k_nearest(device, queries, k, gather)?;
     let estimates = match output {
         Output::Estimate => map.irradiance(device, queries, k, gather)?,
-        Output::Neighbours => Vec::new(),
+        Output::Neighbours | Output::Density => Vec::new(),
     };
     let differ = (0..queries.len()).filter(|&i| {
         let right = neighbours[i] == expected[i][..expected[i].len().min(k as usize)];
@@ -79,7 +96,7 @@ impl<'a> Build<'a> {
     pub(super) fn new(device: &'a Device, n: u32, map: &Map) -> Result<Self, Trouble> {
         let points = Points::new(map.distribution, n, map.k);
         let mut plan = Plan::new();
-        let prepared = Prepared::new(device, &mut plan, &points, n, map)?;
+        let prepared = Prepared::new(device, &mut plan, &points, n, map, None)?;
         Ok(Self { device, plan, prepared, probes: points.queries(n.min(PROBES)) })
     }
 }

@@ -6,13 +6,12 @@ use crate::case::{Map, Output};
 use crate::digest::Digest;
 use crate::measure::Policy;
 use crate::points::Points;
-use crate::row::{Clock, Peer, Sample};
+use crate::row::{Peer, Sample};
 use crate::{exact, peers};
-use caustic_device::{Buffer, Device, Plan, StageTime};
+use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::gather::CUT_SHORT;
 use caustic_kernels::layout::{Irradiance, Neighbour, Query};
-use caustic_photon_map::{Gather, MapError};
-use std::time::Instant;
+use caustic_photon_map::{Gather, MapError, Neighbours};
 
 pub(super) struct Search<'a> {
     device: &'a Device,
@@ -28,8 +27,10 @@ pub(super) struct Search<'a> {
 enum Found {
     /// Estimates, in a buffer of the plan.
     Estimates(Buffer),
-    /// Neighbours, of which there is no plan yet: each run reads them back.
-    Neighbours(Vec<Vec<Neighbour>>),
+    /// Estimates from all photons within the radius.
+    Densities(Buffer),
+    /// Neighbours, likewise.
+    Neighbours(Neighbours),
 }
 
 impl<'a> Search<'a> {
@@ -43,25 +44,44 @@ impl<'a> Search<'a> {
     ) -> Result<Self, Trouble> {
         let points = Points::new(map.distribution, n, map.k);
         let mut plan = Plan::new();
-        let prepared = Prepared::new(device, &mut plan, &points, n, map)?;
+        // A search of fixed extent wants cells of a fixed part of it; one that ends early wants few photons a cell.
+        let cell = (output == Output::Density).then(|| 0.5 * map.radius(n));
+        let prepared = Prepared::new(device, &mut plan, &points, n, map, cell)?;
         let queries = points.queries(queries);
         let count = queries.len() as u32;
+        let query_buffer = device.upload("queries", &queries)?;
+        plan.scope("query");
+        let searched = &prepared.map;
         let result = match output {
             Output::Estimate => {
-                let query_buffer = device.upload("queries", &queries)?;
                 let out = device.buffer::<Irradiance>("irradiance", count.into())?;
-                plan.scope("query");
-                prepared.map.plan_irradiance(device, &mut plan, &query_buffer, count, map.k, gather, &out)?;
+                searched.plan_irradiance(device, &mut plan, &query_buffer, count, map.k, gather, &out)?;
                 Found::Estimates(out)
             }
-            Output::Neighbours => Found::Neighbours(Vec::new()),
+            Output::Density => {
+                let out = device.buffer::<Irradiance>("irradiance", count.into())?;
+                searched.plan_density(device, &mut plan, &query_buffer, count, &out)?;
+                Found::Densities(out)
+            }
+            Output::Neighbours => {
+                Found::Neighbours(searched.plan_neighbours(device, &mut plan, &query_buffer, count, map.k, gather)?)
+            }
         };
         Ok(Self { device, plan, prepared, queries, k: map.k, gather, result })
+    }
+
+    /// Refuses searches that the device ended early.
+    fn whole(&self, counts: impl Iterator<Item = u32>) -> Result<(), Trouble> {
+        match counts.filter(|&count| count == CUT_SHORT).count() {
+            0 => Ok(()),
+            searches => Err(MapError::CutShort { device: self.device.name(), searches }.into()),
+        }
     }
 
     fn output(&self) -> Output {
         match self.result {
             Found::Estimates(_) => Output::Estimate,
+            Found::Densities(_) => Output::Density,
             Found::Neighbours(_) => Output::Neighbours,
         }
     }
@@ -69,36 +89,25 @@ impl<'a> Search<'a> {
 
 impl Work for Search<'_> {
     fn run(&mut self) -> Result<Sample, Trouble> {
-        let Self { device, plan, prepared, queries, k, gather, result } = self;
-        let Found::Neighbours(found) = result else { return timed(device, plan) };
-        // The last run's rows go before the clock starts.
-        *found = Vec::new();
-        let start = Instant::now();
-        let mut sample = timed(device, plan)?;
-        device.reset_stage_times();
-        *found = prepared.map.k_nearest(device, queries, *k, *gather)?;
-        sample.wall_ms = start.elapsed().as_secs_f64() * 1e3;
-        let of_query = |stage: StageTime| StageTime { stage: format!("query/{}", stage.stage), ..stage };
-        sample.stages.extend(device.stage_times().into_iter().map(of_query));
-        Ok(sample)
+        timed(self.device, &self.plan)
     }
 
     fn digest(&mut self) -> Result<String, Trouble> {
         match &self.result {
-            Found::Estimates(out) => {
+            Found::Estimates(out) | Found::Densities(out) => {
                 let estimates: Vec<Irradiance> = self.device.read(out, self.queries.len() as u64)?;
-                let searches = estimates.iter().filter(|estimate| estimate.photons == CUT_SHORT).count();
-                if searches > 0 {
-                    return Err(MapError::CutShort { device: self.device.name(), searches }.into());
-                }
+                self.whole(estimates.iter().map(|estimate| estimate.photons))?;
                 Ok(digest(&estimates))
             }
             Found::Neighbours(found) => {
+                let count = self.queries.len() as u64;
+                let counts: Vec<u32> = self.device.read(&found.counts, count)?;
+                self.whole(counts.iter().copied())?;
+                let neighbours: Vec<Neighbour> = self.device.read(&found.neighbours, count * u64::from(self.k))?;
                 let mut digest = Digest::default();
-                let counts: Vec<u32> = found.iter().map(|row| row.len() as u32).collect();
                 digest.add(&counts);
-                for row in found {
-                    digest.add(row);
+                for (row, &count) in neighbours.chunks(self.k as usize).zip(&counts) {
+                    digest.add(&row[..count as usize]);
                 }
                 Ok(digest.hex())
             }
@@ -117,22 +126,14 @@ impl Work for Search<'_> {
         let n = self.prepared.photons.len() as u32;
         let table = self.prepared.map.grid().table;
         let result = match self.output() {
-            Output::Estimate => size_of::<Irradiance>() as u64,
+            Output::Estimate | Output::Density => size_of::<Irradiance>() as u64,
             Output::Neighbours => 8 * u64::from(self.k) + 4,
         };
         Some(traffic::build(n, table) + traffic::search(n, table, self.queries.len() as u32, result))
     }
 
-    fn clock(&self, device: &Device) -> Clock {
-        match self.result {
-            Found::Estimates(_) if !device.is_gpu() => Clock::Wall,
-            // The wall clock of neighbours has the read-back of all of them in it, and their way into one vector a query.
-            Found::Estimates(_) | Found::Neighbours(_) => Clock::Stages,
-        }
-    }
-
     fn peers(&mut self, policy: Policy, goes_on: &mut dyn FnMut() -> bool) -> Result<Vec<Peer>, Trouble> {
-        if !peers::ANY || self.device.is_gpu() {
+        if !peers::ANY || self.device.is_gpu() || self.output() == Output::Density {
             return Ok(Vec::new());
         }
         let Prepared { photons, map } = &self.prepared;

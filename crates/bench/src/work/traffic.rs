@@ -13,15 +13,15 @@ pub(super) fn sort(n: u32, bits: u32) -> u64 {
 }
 
 /// Building a map of `n` photons with a table of `entries`: photons read and keys written, the sort, keys read and the table
-/// written, then photons and order read and photons written.
+/// written, then photons and order read and sites and arrivals written.
 pub(super) fn build(n: u32, entries: u32) -> u64 {
     let bits = (u32::BITS - entries.saturating_sub(1).leading_zeros()).max(1);
-    u64::from(n) * (32 + 4 + 4 + 4 + 64) + sort(n, bits) + 8 * u64::from(entries)
+    u64::from(n) * (32 + 4 + 4 + 4 + 32 + 64) + sort(n, bits) + 4 * u64::from(entries)
 }
 
-/// Searching a map: photons, order, table and queries read once, results written once.
+/// Searching a map: sites, arrivals, table and queries read once, results written once; the sort of the queries is not in it.
 pub(super) fn search(n: u32, entries: u32, queries: u32, result: u64) -> u64 {
-    u64::from(n) * (32 + 4) + 8 * u64::from(entries) + u64::from(queries) * (16 + result)
+    u64::from(n) * 64 + 4 * u64::from(entries) + u64::from(queries) * (16 + result)
 }
 
 #[cfg(test)]
@@ -32,7 +32,7 @@ mod tests {
     fn a_sort_of_24_bits_moves_48_bytes_a_pair() {
         assert_eq!(sort(10, 24), 480);
         assert_eq!(sort(10, 32), 640);
-        assert_eq!(build(10, 1 << 24), 10 * 108 + 480 + (8 << 24));
-        assert_eq!(search(10, 100, 5, 16), 360 + 800 + 160);
+        assert_eq!(build(10, 1 << 24), 10 * 140 + 480 + (4 << 24));
+        assert_eq!(search(10, 100, 5, 16), 640 + 400 + 160);
     }
 }

@@ -28,8 +28,6 @@ impl From<MapError> for Trouble {
     fn from(error: MapError) -> Self {
         match error {
             MapError::Device(error) => error.into(),
-            MapError::TooManyCells { .. }
-            | MapError::TableTooLarge { .. }
             | MapError::TooMany { .. }
             | MapError::CutShort { .. } => Self::Skip(error.to_string()),
             _ => Self::Fail(error.to_string()),

@@ -1,9 +1,11 @@
 //! Kernels that put a device to the test: does it compute, and lay out records, as the CPU does?
 
 mod arithmetic;
+mod copy;
 mod layout;
 
 pub use arithmetic::{Arithmetic, ArithmeticParams, arithmetic};
+pub use copy::copy_quads;
 #[cfg(not(target_arch = "spirv"))]
 pub use layout::LAYOUTS;
 pub use layout::{LAYOUT_WORDS, Words, layout_film, layout_grid, layout_map, layout_scene, layout_sort};
