@@ -84,7 +84,7 @@ mod tests {
         let at = |i: u32| pcg4d([i, 5, 6, 7]).map(|x| x as f32 / 4_294_967_296.0);
         let space = |i| [at(i)[0], at(i)[1], at(i)[2]];
         let floor = |i| [at(i)[0], 0.5, at(i)[2]];
-        let crowd = |i| if i % 10 == 0 { space(i) } else { space(i).map(|x| 0.3 + 0.1 * x) };
+        let crowd = |i| if at(i)[3] < 0.1 { space(i) } else { space(i).map(|x| 0.3 + 0.1 * x) };
         let options = MapOptions { radius: 1.0, hash: Hash::Linear, table: None, cell: None };
         for (n, name, place) in [
             (100_000, "space", &space as &dyn Fn(u32) -> [f32; 3]),

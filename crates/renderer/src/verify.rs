@@ -163,7 +163,7 @@ fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
 }
 
 /// The kernels that write down where they find fields.
-const LAYOUT_KERNELS: [Kernel; 4] = [Kernel::LayoutMap, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm];
+const LAYOUT_KERNELS: [Kernel; 5] = [Kernel::LayoutMap, Kernel::LayoutGrid, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm];
 
 /// Runs the layout kernels, and names the records that are not laid out as the host lays them out, on either device.
 fn layouts(twin: &Device, gpu: &Device) -> Result<Vec<String>, RenderError> {
@@ -225,13 +225,14 @@ fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
         .collect();
     let mut queries: Vec<Query> = (0..QUERIES).map(|i| Query { position: place(i, 4), active: 1 }).collect();
     queries[1].active = 0;
-    let map = PhotonMap::build(twin, &photons, &MapOptions { radius: 0.35, hash, table: None, cell: None })?;
+    let map = PhotonMap::build(twin, &photons, &MapOptions { radius: 0.28, hash, table: None, cell: None })?;
     for k in KS {
         for gather in [Gather::Histogram, Gather::Heap, Gather::List] {
             map.irradiance(twin, &queries, k, gather)?;
             map.k_nearest(twin, &queries, k, gather)?;
         }
     }
+    map.density(twin, &queries)?;
     Ok(())
 }
 
@@ -263,6 +264,6 @@ mod tests {
             }
             assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
         }
-        assert_eq!(records, 20);
+        assert_eq!(records, 21);
     }
 }

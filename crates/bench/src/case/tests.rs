@@ -47,7 +47,7 @@ fn bad_cases_are_refused_with_place_field_and_remedy() {
         ("kind = \"gather\"", "kind = \"dance\"", &["mine.toml:3:8", "dance", "`sort`"]),
         ("\"uniform\"", "\"even\"", &["mine.toml:4:", "even", "`uniform`"]),
         ("\"mine\"", "\"a/b\"", &["mine.toml:1:1", "`name`"]),
-        ("queries = 500", "queries = 500\nradius = -1.0", &["`radius`", "1e-18"]),
+        ("queries = 500", "queries = 500\nradius = -1.0", &["`radius`", "1e-9"]),
         ("n = 1000", "n = 3", &["`targets`", "N = 3", "sizes"]),
         ("ms = 2.5", "ms = -1", &["`targets`", "positive"]),
         ("ms = 2.5\n", "", &["`targets`", "faster_than"]),

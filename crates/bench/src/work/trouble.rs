@@ -28,8 +28,7 @@ impl From<MapError> for Trouble {
     fn from(error: MapError) -> Self {
         match error {
             MapError::Device(error) => error.into(),
-            | MapError::TooMany { .. }
-            | MapError::CutShort { .. } => Self::Skip(error.to_string()),
+            MapError::TooMany { .. } | MapError::CutShort { .. } => Self::Skip(error.to_string()),
             _ => Self::Fail(error.to_string()),
         }
     }
