@@ -5,6 +5,7 @@ pub mod scene;
 
 mod crowd;
 mod error;
+mod pace;
 mod photons;
 mod render;
 mod report;

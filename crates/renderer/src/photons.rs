@@ -1,5 +1,6 @@
 //! A photon pass: count, scan, store, build.
 
+use crate::pace::Pace;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
 use crate::{RenderError, Settings};
@@ -11,6 +12,8 @@ use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
 const CHUNK: u32 = 1 << 20;
+/// Paths of a GPU's first dispatch.
+const FIRST_CHUNK: u32 = 1 << 18;
 /// Photons that are looked at to choose the width of cells.
 const SAMPLE: u64 = 4096;
 /// Most photons of a map.
@@ -77,17 +80,10 @@ pub(crate) fn photon_map(
     };
     let emitted = kind.emitted;
     let counts = device.buffer::<u32>("photon counts", u64::from(emitted))?;
-    let chunks: Vec<PhotonPass> = (0..emitted.div_ceil(CHUNK))
-        .map(|chunk| {
-            let first = chunk * CHUNK;
-            let paths = CHUNK.min(emitted - first);
-            let PassKind { rays, stored_from, .. } = *kind;
-            PhotonPass { emitted, first, paths, rays, seed: settings.seed, stored_from }
-        })
-        .collect();
-    let total = 2 * chunks.len() as u64;
-    let mut tick = |done: usize| {
-        let goes_on = progress(Progress { phase: kind.phase, done: done as u64, total });
+    let total = 2 * u64::from(emitted);
+    let mut tick = |done: u32, times: u64| {
+        let done = u64::from(done) + times * u64::from(emitted);
+        let goes_on = progress(Progress { phase: kind.phase, done, total });
         if goes_on { Ok(()) } else { Err(RenderError::Interrupted) }
     };
     let SceneBuffers { info, nodes, primitives, materials, lights, targets } = buffers;
@@ -95,9 +91,18 @@ pub(crate) fn photon_map(
     let fates = device.buffer::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
     let segments = device.buffer::<u32>("photon segments", u64::from(emitted.min(CHUNK)))?;
     let mut landed = 0u64;
-    for (i, pass) in chunks.iter().enumerate() {
-        tick(i)?;
-        let params = device.upload("photon pass", &[*pass])?;
+    let mut pace = Pace::new(device, FIRST_CHUNK, CHUNK, CHUNK);
+    // The dispatches: stored photons are traced in the same ones.
+    let mut chunks: Vec<PhotonPass> = Vec::new();
+    let mut first = 0;
+    while first < emitted {
+        tick(first, 0)?;
+        let PassKind { rays, stored_from, .. } = *kind;
+        let paths = pace.size().min(emitted - first);
+        let pass = PhotonPass { emitted, first, paths, rays, seed: settings.seed, stored_from };
+        chunks.push(pass);
+        first += paths;
+        let params = device.upload("photon pass", &[pass])?;
         let mut plan = Plan::new();
         plan.scope(kind.map);
         plan.each(
@@ -107,7 +112,7 @@ pub(crate) fn photon_map(
         );
         let [_, _, block_fates] = scan(device, &mut plan, &fates, pass.paths)?;
         let [_, _, block_segments] = scan(device, &mut plan, &segments, pass.paths)?;
-        device.run(&plan)?;
+        pace.run(|| device.run(&plan))?;
         let blocks = u64::from(pass.paths.div_ceil(SCAN_BLOCK));
         report.segments += device.read::<u32>(&block_segments, blocks)?.into_iter().map(u64::from).sum::<u64>();
         for fates in device.read::<u32>(&block_fates, blocks)? {
@@ -145,8 +150,8 @@ pub(crate) fn photon_map(
 
     let (low, high) = scene.diffuse_bounds;
     let unsorted = device.buffer::<Photon>("photons", stored)?;
-    for (i, pass) in chunks.iter().enumerate() {
-        tick(chunks.len() + i)?;
+    for pass in &chunks {
+        tick(pass.first, 1)?;
         let params = device.upload("photon pass", &[*pass])?;
         let mut plan = Plan::new();
         plan.scope(kind.map);
@@ -178,7 +183,7 @@ pub(crate) fn photon_map(
     plan.scope(kind.map);
     let map = PhotonMap::plan(device, &mut plan, &unsorted, grid)?;
     device.run(&plan)?;
-    tick(2 * chunks.len())?;
+    tick(emitted, 1)?;
     report.table_entries = grid.table;
     report.bytes = map.bytes();
     Ok((Some(map), report))

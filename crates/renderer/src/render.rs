@@ -1,6 +1,7 @@
 //! The render: photon maps first, then the image, tile by tile.
 
 use crate::output::Image;
+use crate::pace::Pace;
 use crate::photons::{PassKind, SceneBuffers, photon_map};
 use crate::report::{MapReport, Progress, RenderReport};
 use crate::scene::{CompiledScene, Scene};
@@ -13,9 +14,10 @@ use caustic_kernels::trace::{
 use caustic_photon_map::PhotonMap;
 use std::time::Instant;
 
-/// Camera samples of one tile: the unit of progress. A GPU needs more of them to be busy.
+/// Camera samples of one tile: the unit of progress. A GPU needs more of them to be busy; it begins with a part of that.
 const CPU_SAMPLES: u32 = 1 << 17;
-const GPU_SAMPLES: u32 = 1 << 20;
+const GPU_FIRST_SAMPLES: u32 = 1 << 19;
+const GPU_SAMPLES: u32 = 1 << 21;
 
 /// A finished render.
 pub struct Rendered {
@@ -166,9 +168,6 @@ impl Camera<'_> {
         let [width, height] = settings.size;
         let pixels = width * height;
         let spp = settings.spp;
-        let samples = if device.is_gpu() { GPU_SAMPLES } else { CPU_SAMPLES };
-        let tile_pixels = (samples / spp).clamp(1, pixels);
-
         let mut parts = settings.show.parts();
         parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
         parts &= !if caustic.is_none() { PART_CAUSTIC } else { 0 };
@@ -176,20 +175,28 @@ impl Camera<'_> {
         let film_tile_buffer = device.buffer::<FilmTile>("camera tile of film", 1)?;
         let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
         let maps = [global, caustic];
-        let plan = self.tile_plan(tile_pixels, parts, maps, [&tile_buffer, &film_tile_buffer, &film])?;
-
-        let tiles = pixels.div_ceil(tile_pixels);
+        let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
+        // The plan of a tile, and of how many pixels it is.
+        let mut plan = (0, Plan::new());
         let mut complete = true;
-        for tile in 0..tiles {
-            complete = progress(Progress { phase: "image", done: u64::from(tile), total: u64::from(tiles) });
+        let mut first_pixel = 0;
+        while first_pixel < pixels {
+            complete = progress(Progress { phase: "image", done: first_pixel.into(), total: pixels.into() });
             if !complete {
                 break;
             }
-            let first_pixel = tile * tile_pixels;
+            let tile_pixels = (pace.size() / spp).clamp(1, pixels);
+            if plan.0 != tile_pixels {
+                // The last one's buffers go first.
+                plan.1 = Plan::new();
+                let buffers = [&tile_buffer, &film_tile_buffer, &film];
+                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, buffers)?);
+            }
             let pixels = tile_pixels.min(pixels - first_pixel);
             device.write(&tile_buffer, &[CameraTile { first_pixel, pixels, samples: spp, seed: settings.seed }]);
             device.write(&film_tile_buffer, &[FilmTile { first_pixel, pixels, samples: spp, parts }]);
-            device.run(&plan)?;
+            pace.run(|| device.run(&plan.1))?;
+            first_pixel += pixels;
         }
         Ok((device.read(&film, u64::from(pixels))?, complete))
     }
