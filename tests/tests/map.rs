@@ -38,7 +38,7 @@ fn the_gpu_finds_the_neighbours_and_estimates_of_brute_force() {
         }
         return;
     }
-    for (i, set) in sets(300).into_iter().enumerate() {
+    for (i, set) in sets(160).into_iter().enumerate() {
         let within = all_within(&set);
         // Every set with every hash and every gather; sizes in turns.
         for (j, hash) in HASHES.into_iter().enumerate() {
@@ -61,8 +61,8 @@ fn the_gpu_fills_its_larger_containers() {
     }
 }
 
-/// More candidates than 16 bits count, the nearest of them last: a search that ends early finds others. llvmpipe ends that of a
-/// container, which is an error then; counting takes four photons a step and comes to the end.
+/// More candidates than 16 bits count, the nearest of them last: a search that ends early finds others. Where llvmpipe ends one, that is
+/// an error.
 #[test]
 fn a_crowded_cell_is_searched_to_its_end_or_it_is_an_error() {
     let points: Vec<_> = (0..70_000u32).rev().map(|i| [i as f32 * 1e-5, 0.0, 0.0]).collect();
@@ -78,17 +78,17 @@ fn a_crowded_cell_is_searched_to_its_end_or_it_is_an_error() {
             let stage = format!("{}, {gather:?}", device.name());
             let (found, estimated) =
                 (map.k_nearest(device, &queries, 3, gather), map.irradiance(device, &queries, 3, gather));
-            if limits_loops(device) && gather != Gather::Histogram {
-                let error = found.unwrap_err();
+            let cut = |error: MapError| {
+                assert!(limits_loops(device), "{stage}: {error}");
                 assert!(matches!(error, MapError::CutShort { searches: 1, .. }), "{stage}: {error}");
-            } else {
-                compare_neighbours(&stage, &neighbours, &found.unwrap()).unwrap();
+            };
+            match found {
+                Ok(found) => drop(compare_neighbours(&stage, &neighbours, &found).unwrap()),
+                Err(error) => cut(error),
             }
-            if limits_loops(device) && gather != Gather::Histogram {
-                let error = estimated.unwrap_err();
-                assert!(matches!(error, MapError::CutShort { searches: 1, .. }), "{stage}: {error}");
-            } else {
-                compare_irradiance(&stage, &estimate, &estimated.unwrap()).unwrap();
+            match estimated {
+                Ok(estimated) => drop(compare_irradiance(&stage, &estimate, &estimated).unwrap()),
+                Err(error) => cut(error),
             }
         }
     }

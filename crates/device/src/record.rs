@@ -34,7 +34,7 @@ records! {
     Query: "fffu",
     Neighbour: "fu",
     Irradiance: "fffu",
-    Site: "fffu",
+    Site: "uuuu",
     Arrival: "uuuuuuuuuuuu",
     Grid: "ffffuuuuuufffu",
     Row: "uuf",

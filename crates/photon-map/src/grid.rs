@@ -94,7 +94,8 @@ pub fn plan_grid(
     Ok(grid)
 }
 
-/// The rows of cells that a search may have to visit, nearest first.
+/// The rows of cells that a search may have to visit, nearest first: those within the radius of some query in some cell of the
+/// grid.
 #[must_use]
 pub fn rows(grid: &Grid) -> Vec<Row> {
     let reach = MAX_REACH as i32 - 1;
@@ -102,10 +103,11 @@ pub fn rows(grid: &Grid) -> Vec<Row> {
         let gap = f64::from(cells.abs() - 1) - f64::from(grid.slack);
         gap.max(0.0) * f64::from(grid.cell_width)
     };
-    let axis: Vec<i32> = (-reach..=reach).filter(|&cells| gap(cells).powi(2) <= f64::from(grid.radius2)).collect();
+    let near = |&cells: &i32| gap(cells).powi(2) <= f64::from(grid.radius2);
+    let axis = |all: u32| (-reach..=reach).filter(near).filter(move |cells| cells.unsigned_abs() < all);
     let mut rows: Vec<(i32, Row)> = Vec::new();
-    for &z in &axis {
-        for &y in &axis {
+    for z in axis(grid.cells[2]) {
+        for y in axis(grid.cells[1]) {
             let least2 = gap(y).powi(2) + gap(z).powi(2);
             if least2 <= f64::from(grid.radius2) {
                 let place = |cells: i32| (cells + MAX_REACH as i32) as u32;
@@ -203,7 +205,7 @@ mod tests {
     fn rows_come_nearest_first_and_reach_the_radius() {
         for cell in [2.0, 1.0, 0.5, 0.3, 0.07] {
             let options = MapOptions { cell: Some(cell), ..options(1.0, Hash::Linear) };
-            let grid = plan_grid([0.0; 3], [10.0; 3], 1, &[], &options).unwrap();
+            let grid = plan_grid([0.0; 3], [20.0; 3], 1, &[], &options).unwrap();
             let rows = rows(&grid);
             assert!(rows.is_sorted_by(|a, b| a.least2 <= b.least2));
             assert_eq!((rows[0].y, rows[0].z), (MAX_REACH, MAX_REACH));

@@ -27,7 +27,16 @@ impl RadixSort {
     /// # Errors
     /// Those of [`Device::buffer`].
     pub fn plan(device: &Device, plan: &mut Plan, keys: &Buffer, count: u32, bits: u32) -> Result<Self> {
-        let (keys, order) = passes(device, plan, keys, &Values::Indices, count, bits)?;
+        let (keys, order) = passes(device, plan, keys, &Values::Indices, count, bits, device.subgroup_lanes())?;
+        Ok(Self { keys, order })
+    }
+
+    /// [`RadixSort::plan`] with the kernels for devices without subgroups, which every device can run.
+    ///
+    /// # Errors
+    /// Those of [`Device::buffer`].
+    pub fn plan_plain(device: &Device, plan: &mut Plan, keys: &Buffer, count: u32, bits: u32) -> Result<Self> {
+        let (keys, order) = passes(device, plan, keys, &Values::Indices, count, bits, None)?;
         Ok(Self { keys, order })
     }
 
@@ -36,7 +45,7 @@ impl RadixSort {
     /// # Errors
     /// Those of [`Device::buffer`].
     pub fn plan_keys(device: &Device, plan: &mut Plan, keys: &Buffer, count: u32, bits: u32) -> Result<Buffer> {
-        passes(device, plan, keys, &Values::None, count, bits).map(|(keys, _)| keys)
+        passes(device, plan, keys, &Values::None, count, bits, device.subgroup_lanes()).map(|(keys, _)| keys)
     }
 }
 
@@ -47,6 +56,7 @@ fn passes(
     values: &Values,
     count: u32,
     bits: u32,
+    subgroup_lanes: Option<u32>,
 ) -> Result<(Buffer, Buffer)> {
     let blocks = count.div_ceil(SORT_BLOCK);
     let of_values = if matches!(values, Values::None) { 0 } else { u64::from(count) };
@@ -59,7 +69,7 @@ fn passes(
     let totals = device.buffer::<u32>("sort: digit totals", u64::from(DIGITS))?;
     let scan = device.upload("sort: scan", &[ScanParams { count: DIGITS * blocks, row_length: blocks }])?;
     // Every subgroup needs counters of its own: there is memory for so many. The CPU has one lane for all.
-    let (count_digits, scatter) = match device.subgroup_lanes() {
+    let (count_digits, scatter) = match subgroup_lanes {
         None | Some(2..8) => (Kernel::RadixCountPlain, Kernel::RadixScatterPlain),
         Some(8..32) => (Kernel::RadixCountNarrow, Kernel::RadixScatterNarrow),
         Some(_) => (Kernel::RadixCount, Kernel::RadixScatter),

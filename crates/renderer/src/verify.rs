@@ -4,7 +4,7 @@ use crate::crowd::{CROWD, crowd};
 use crate::scene::{BUILT_IN, Scene};
 use crate::{Progress, RenderError, Settings, Show, render};
 use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, StageComparison};
-use caustic_kernels::layout::{Photon, Query};
+use caustic_kernels::layout::{Photon, Query, Site};
 use caustic_kernels::num::{pcg4d, u32_to_unit};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams, LAYOUT_WORDS, LAYOUTS};
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
@@ -101,6 +101,9 @@ pub fn verify(
     let keys = twin.upload("keys", &keys)?;
     let mut plan = Plan::new();
     RadixSort::plan(&twin, &mut plan, &keys, 100_000, 32)?;
+    RadixSort::plan_plain(&twin, &mut plan, &keys, 100_000, 32)?;
+    let quads = twin.buffer::<Site>("quads", 25_000)?;
+    plan.each(Kernel::CopyQuads, 25_000, &[&keys, &quads]);
     twin.run(&plan)?;
     for (hash, phase) in [(Hash::Linear, "linear map"), (Hash::Teschner, "Teschner map"), (Hash::Morton, "Morton map")]
     {

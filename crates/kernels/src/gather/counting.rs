@@ -94,6 +94,12 @@ impl Bins {
         Self { first, end, shift: SHIFT }
     }
 
+    /// All squared distances below `end`, eight binades to a bin.
+    #[inline]
+    fn all_below(end: u32) -> Self {
+        Self { first: 0, end, shift: 26 }
+    }
+
     /// The parts of one of the bins.
     #[inline]
     fn inside(self, bin: u32) -> Self {
@@ -221,7 +227,7 @@ fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) ->
 #[inline]
 fn guess<const LINEAR: bool>(position: [f32; 3], params: &GatherParams, grid: &Grid, rows: &[Row], begins: &[u32]) -> u32 {
     let last = grid.radius2.to_bits() + 1;
-    if !LINEAR || grid.rows < 9 {
+    if !LINEAR {
         return last;
     }
     let centre = cell_of(grid, position);
@@ -229,10 +235,12 @@ fn guess<const LINEAR: bool>(position: [f32; 3], params: &GatherParams, grid: &G
     let high = if centre[0] + 1 < grid.cells[0] { centre[0] + 1 } else { centre[0] };
     let mut n = 0;
     let mut row = 0;
-    while row < 9 {
-        let y = (centre[1] + rows[row].y).wrapping_sub(MAX_REACH);
-        let z = (centre[2] + rows[row].z).wrapping_sub(MAX_REACH);
-        if y < grid.cells[1] && z < grid.cells[2] {
+    // Those around come first; in a flat grid there are fewer than nine of them.
+    while row < 9 && row < grid.rows {
+        let y = (centre[1] + rows[row as usize].y).wrapping_sub(MAX_REACH);
+        let z = (centre[2] + rows[row as usize].z).wrapping_sub(MAX_REACH);
+        let around = y.wrapping_add(1).wrapping_sub(centre[1]) <= 2 && z.wrapping_add(1).wrapping_sub(centre[2]) <= 2;
+        if around && y < grid.cells[1] && z < grid.cells[2] {
             let entry = linear([low, y, z], grid.cells);
             n += begins[(entry + high - low + 1) as usize] - begins[entry as usize];
         }
@@ -286,6 +294,7 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     let mut bins = Bins::below(guess::<LINEAR>(position, params, grid, rows, begins));
     let mut found = Found { whole: true, enough: true, counted: bins, bins, nearer: 0, before: 0, rank: 0, index: 0 };
     let mut crowded = false;
+    let mut missed = false;
     let mut searching = true;
     while searching {
         clear(memory, lane, 0);
@@ -293,8 +302,9 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
         found.whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
         found.counted = bins;
         if count.nearer >= wanted {
-            // Only bins of a guess leave out what is nearer.
-            bins = Bins::below(bins.first);
+            // Only bins of a guess leave out what is nearer. A second one would be no better founded than the first.
+            bins = if missed { Bins::all_below(bins.first) } else { Bins::below(bins.first) };
+            missed = true;
         } else {
             let (bin, before, inside) = bin_of(memory, lane, 0, wanted - count.nearer);
             found.nearer = count.nearer;
