@@ -44,9 +44,11 @@ pub fn check(device: &Device, set: &PointSet, within: &[Vec<Neighbour>], hash: H
     for &gather in gathers {
         for &k in ks {
             let stage = format!("{}, table {:?}, {hash:?}, {gather:?}, k = {k}", set.name, set.table);
-            let found = map.k_nearest(device, &set.queries, k, gather).unwrap_or_else(|error| panic!("{stage}: {error}"));
+            let found =
+                map.k_nearest(device, &set.queries, k, gather).unwrap_or_else(|error| panic!("{stage}: {error}"));
             compare_neighbours(&stage, &nearest(within, k), &found).unwrap();
-            let found = map.irradiance(device, &set.queries, k, gather).unwrap_or_else(|error| panic!("{stage}: {error}"));
+            let found =
+                map.irradiance(device, &set.queries, k, gather).unwrap_or_else(|error| panic!("{stage}: {error}"));
             let compared = compare_irradiance(&stage, &estimates(set, within, k), &found).unwrap();
             assert_eq!(compared, 4 * set.queries.len());
         }

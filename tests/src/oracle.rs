@@ -49,7 +49,10 @@ pub fn oracle_irradiance(photons: &[Photon], within: &[Neighbour], k: usize, rad
     let counted = &within[..k.min(within.len())];
     let scale = |channel: usize| photons.iter().map(|photon| photon.power[channel]).fold(0.0, f32::max);
     let rgb: [f32; 3] = std::array::from_fn(|channel| {
-        sum_rounded_once(counted.iter().map(|neighbour| photons[neighbour.photon as usize].power[channel]), scale(channel))
+        sum_rounded_once(
+            counted.iter().map(|neighbour| photons[neighbour.photon as usize].power[channel]),
+            scale(channel),
+        )
     });
     // The disc reaches to the first photon that is not counted; one without extent is replaced by the largest.
     let radius2 = within.get(k).map_or(0.0, |next| next.distance2);

@@ -147,8 +147,7 @@ pub fn colliding(n: u32, side: u32, table: u32, radius: f32) -> Vec<[f32; 3]> {
         let cell = cells[i as usize % cells.len()];
         let unit = unit3(5, i);
         // The inner 98 % of the cell, clear of its borders.
-        points
-            .push(std::array::from_fn(|axis| (cell[axis] as f32 + 0.01 + 0.98 * unit[axis]) / grid.inverse_cell));
+        points.push(std::array::from_fn(|axis| (cell[axis] as f32 + 0.01 + 0.98 * unit[axis]) / grid.inverse_cell));
     }
     points
 }
@@ -196,7 +195,10 @@ pub fn sets(n: u32) -> Vec<PointSet> {
         PointSet::new("of mixed sign", 0.7, &mixed(4)),
         PointSet::new("on a plane", 0.15, &on_a_plane),
         PointSet { cell: Some(1.0), ..PointSet::new("on cell borders", 1.0, &borders) },
-        PointSet { cell: Some(0.01), ..PointSet::new("in cells far smaller than the radius", 0.2, &uniform(14, n, [0.0; 3], [1.0; 3])) },
+        PointSet {
+            cell: Some(0.01),
+            ..PointSet::new("in cells far smaller than the radius", 0.2, &uniform(14, n, [0.0; 3], [1.0; 3]))
+        },
         PointSet::new("all in one point", 0.25, &vec![[0.1, 0.2, -0.3]; n as usize]),
         PointSet::new("all in one cell", 2.0, &uniform(5, n, [1.0; 3], [1.5; 3])),
         PointSet::new("duplicates", 0.3, &duplicates),

@@ -38,7 +38,7 @@ fn the_gpu_finds_the_neighbours_and_estimates_of_brute_force() {
         }
         return;
     }
-    for (i, set) in sets(160).into_iter().enumerate() {
+    for (i, set) in sets(200).into_iter().enumerate() {
         let within = all_within(&set);
         // Every set with every hash and every gather; sizes in turns.
         for (j, hash) in HASHES.into_iter().enumerate() {

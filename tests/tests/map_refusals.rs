@@ -53,7 +53,8 @@ fn impossible_numbers_of_neighbours_are_refused_with_the_bounds() {
 fn options_that_make_no_map_are_refused() {
     let cpu = Device::cpu();
     let photons = photons_at(1, &[[0.0; 3], [100.0; 3]]);
-    let build = |radius, hash, table| PhotonMap::build(&cpu, &photons, &MapOptions { radius, hash, table, cell: None }).err();
+    let build =
+        |radius, hash, table| PhotonMap::build(&cpu, &photons, &MapOptions { radius, hash, table, cell: None }).err();
     for radius in [0.0, -0.0, -1.0, 1e-30, 1e30, f32::NAN, f32::INFINITY] {
         assert!(matches!(build(radius, Hash::Linear, None), Some(MapError::Radius { .. })), "{radius}");
     }

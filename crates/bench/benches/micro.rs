@@ -80,7 +80,8 @@ fn sum_native(bencher: Bencher<'_, '_>) {
 fn gather_query(bencher: Bencher<'_, '_>, k: u32) {
     let device = Device::cpu();
     let points = Points::new(Distribution::Uniform, PHOTONS, k);
-    let options = MapOptions { radius: Distribution::Uniform.radius(PHOTONS, k), hash: Hash::Linear, table: None, cell: None };
+    let options =
+        MapOptions { radius: Distribution::Uniform.radius(PHOTONS, k), hash: Hash::Linear, table: None, cell: None };
     let map = PhotonMap::build(&device, &points.photons(PHOTONS), &options).expect("a map");
     let queries: Vec<Query> = points.queries(64);
     let buffer = device.upload("queries", &queries).expect("a buffer");

@@ -211,11 +211,7 @@ fn peers(value: u32) -> [u32; 2] {
     same = same & same_bit(value, 32);
     same = same & same_bit(value, 64);
     same = same & same_bit(value, 128);
-    if counts {
-        [subgroup_ballot_exclusive_bit_count(same), subgroup_ballot_bit_count(same)]
-    } else {
-        [0, 0]
-    }
+    if counts { [subgroup_ballot_exclusive_bit_count(same), subgroup_ballot_bit_count(same)] } else { [0, 0] }
 }
 
 /// The lanes whose value has the same bit.

@@ -66,8 +66,7 @@ pub(crate) fn cell_width(
 
 /// Pairs of positions in one cell.
 fn pairs_in_cells(sample: &[[f64; 3]], width: f64) -> f64 {
-    let mut cells: Vec<[u32; 3]> =
-        sample.iter().map(|position| position.map(|x| (x / width) as u32)).collect();
+    let mut cells: Vec<[u32; 3]> = sample.iter().map(|position| position.map(|x| (x / width) as u32)).collect();
     cells.sort_unstable();
     cells.chunk_by(|a, b| a == b).map(|cell| cell.len() as f64 * (cell.len() - 1) as f64 / 2.0).sum()
 }

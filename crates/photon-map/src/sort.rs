@@ -2,8 +2,7 @@
 
 use caustic_device::{Buffer, Device, Kernel, Plan, Result};
 use caustic_kernels::sort::{
-    DIGIT_BITS, DIGITS, RadixPass, SCAN_BLOCK, SORT_BLOCK, ScanParams, VALUES_GIVEN, VALUES_INDICES,
-    VALUES_NONE,
+    DIGIT_BITS, DIGITS, RadixPass, SCAN_BLOCK, SORT_BLOCK, ScanParams, VALUES_GIVEN, VALUES_INDICES, VALUES_NONE,
 };
 
 /// Sorts `u32` keys, of which only the lowest bits count, together with the indices they came from.

@@ -166,7 +166,8 @@ fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
 }
 
 /// The kernels that write down where they find fields.
-const LAYOUT_KERNELS: [Kernel; 5] = [Kernel::LayoutMap, Kernel::LayoutGrid, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm];
+const LAYOUT_KERNELS: [Kernel; 5] =
+    [Kernel::LayoutMap, Kernel::LayoutGrid, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm];
 
 /// Runs the layout kernels, and names the records that are not laid out as the host lays them out, on either device.
 fn layouts(twin: &Device, gpu: &Device) -> Result<Vec<String>, RenderError> {

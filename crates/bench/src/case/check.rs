@@ -2,7 +2,7 @@
 
 use super::file::{CaseFile, GatherName, HashName, KindName};
 use super::{Case, CaseError, Kind, MAX_N, Map, Target};
-use caustic_photon_map::{RADII, Gather, Hash, MAX_K};
+use caustic_photon_map::{Gather, Hash, MAX_K, RADII};
 use caustic_renderer::scene::BUILT_IN as SCENES;
 use caustic_renderer::scene::limits::{MAX_SIDE, MAX_SPP};
 use std::collections::BTreeMap;
@@ -115,9 +115,7 @@ fn kind(check: &Check<'_>, fields: &CaseFile) -> Result<Kind, CaseError> {
 fn map(check: &Check<'_>, fields: &CaseFile, kind: &str) -> Result<Map, CaseError> {
     let radius = fields.radius.map(|radius| radius as f32);
     if radius.is_some_and(|radius| !RADII.contains(&radius)) {
-        return Err(
-            check.error("radius", "must be a number of metres from 1e-9 to 1e18; leave it out for 2 k photons")
-        );
+        return Err(check.error("radius", "must be a number of metres from 1e-9 to 1e18; leave it out for 2 k photons"));
     }
     Ok(Map {
         distribution: check.needed("distribution", fields.distribution, kind)?,

@@ -47,8 +47,7 @@ impl<'a> Trace<'a> {
         let mut walked = 0;
         plan.scope("count");
         for (paths, pass) in &passes {
-            let buffers =
-                [pass, &info, &nodes, &primitives, &materials, &lights, &targets, &counts, &fates, &segments];
+            let buffers = [pass, &info, &nodes, &primitives, &materials, &lights, &targets, &counts, &fates, &segments];
             plan.each(Kernel::CountPhotons, *paths, &buffers);
             // What a pass counts is overwritten by the next: summed here, once.
             let mut once = Plan::new();

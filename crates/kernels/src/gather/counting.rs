@@ -144,7 +144,15 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByDist
     }
 
     #[inline]
-    fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, _slot: u32, _sites: &[Site], _arrivals: &A) {
+    fn offer(
+        &mut self,
+        memory: &mut [u32; N],
+        _output: &mut O,
+        distance2: f32,
+        _slot: u32,
+        _sites: &[Site],
+        _arrivals: &A,
+    ) {
         let bits = distance2.to_bits();
         if bits < self.bins.first {
             self.nearer += 1;
@@ -186,7 +194,15 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
     }
 
     #[inline]
-    fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
+    fn offer(
+        &mut self,
+        memory: &mut [u32; N],
+        _output: &mut O,
+        distance2: f32,
+        slot: u32,
+        sites: &[Site],
+        _arrivals: &A,
+    ) {
         if distance2.to_bits() == self.bits {
             let index = sites[slot as usize].photon();
             if index >= self.bins.first && index < self.bins.end {
@@ -225,7 +241,13 @@ fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) ->
 /// The 27 cells around hold n photons in the volume (3c)³. If that is the density, a ball of v photons has the radius
 /// 3c·(v / (4π/3·n))^(1/3). Photons on surfaces lie closer than so in space, so the guess is a little far for them.
 #[inline]
-fn guess<const LINEAR: bool>(position: [f32; 3], params: &GatherParams, grid: &Grid, rows: &[Row], begins: &[u32]) -> u32 {
+fn guess<const LINEAR: bool>(
+    position: [f32; 3],
+    params: &GatherParams,
+    grid: &Grid,
+    rows: &[Row],
+    begins: &[u32],
+) -> u32 {
     let last = grid.radius2.to_bits() + 1;
     if !LINEAR {
         return last;
@@ -295,11 +317,14 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     let mut found = Found { whole: true, enough: true, counted: bins, bins, nearer: 0, before: 0, rank: 0, index: 0 };
     let mut crowded = false;
     let mut missed = false;
+    let mut grown = false;
     let mut searching = true;
     while searching {
         clear(memory, lane, 0);
         let mut count = ByDistance::new(lane, bins, wanted);
-        found.whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
+        found.whole =
+            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count)
+                && found.whole;
         found.counted = bins;
         if count.nearer >= wanted {
             // Only bins of a guess leave out what is nearer. A second one would be no better founded than the first.
@@ -318,9 +343,10 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
                 found.enough = false;
                 searching = false;
             } else {
-                // Twice the radius.
+                // Twice the radius, then the whole.
                 let end = bins.end + (2 << 23);
-                bins = Bins::below(if end < last { end } else { last });
+                bins = Bins::below(if grown || end > last { last } else { end });
+                grown = true;
             }
         }
         // A device that ends loops early must not be kept in this one.
@@ -335,7 +361,9 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     while searching {
         clear(memory, lane, from);
         let mut count = ByIndex { lane, from, bins: indices, bits: bins.first };
-        found.whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count) && found.whole;
+        found.whole =
+            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count)
+                && found.whole;
         let (bin, before, _) = bin_of(memory, lane, from, found.rank);
         found.rank -= before;
         found.before += before;
@@ -367,7 +395,15 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Collect {
     }
 
     #[inline]
-    fn offer(&mut self, memory: &mut [u32; N], _output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &[Arrival]) {
+    fn offer(
+        &mut self,
+        memory: &mut [u32; N],
+        _output: &mut O,
+        distance2: f32,
+        slot: u32,
+        sites: &[Site],
+        arrivals: &[Arrival],
+    ) {
         if is_before(distance2.to_bits(), slot, self.from, sites) {
             self.power.add(arrivals[slot as usize]);
         } else if self.len < WORDS {
@@ -443,9 +479,9 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
         power: Power::new(),
         len: 0,
     };
-    let whole = search::<LINEAR, _, _, _, _>(
-        position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect,
-    ) && found.whole;
+    let whole =
+        search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect)
+            && found.whole;
     // Those of the list up to the last, which the disc reaches to.
     let mut last = collect.from;
     let mut n = 0;

@@ -247,7 +247,17 @@ mod tests {
         let mut heap = Heap::<65>::new();
         heap.reset(64, grid.radius2);
         let (none, begins) = (&(), [0, 40]);
-        assert!(search::<false, _, _, _, _>([1.0, 2.0, 1.0], &grid, &rows, &sites, none, &begins, &mut (), &mut (), &mut heap));
+        assert!(search::<false, _, _, _, _>(
+            [1.0, 2.0, 1.0],
+            &grid,
+            &rows,
+            &sites,
+            none,
+            &begins,
+            &mut (),
+            &mut (),
+            &mut heap
+        ));
         heap.sort(&sites);
         let found: Vec<_> = (0..heap.count()).map(|i| heap.slot(i)).collect();
         // Itself, then its neighbours in the lattice, by index; there are only five.
@@ -282,7 +292,18 @@ mod tests {
                 let list = SortedList::<17>::new();
                 let by_list = out[0].as_mut_slice();
                 gather_irradiance(
-                    i, list, &params, &grid, &rows, queries, &order, &sites, &arrivals, &[0, 4], &power, by_list,
+                    i,
+                    list,
+                    &params,
+                    &grid,
+                    &rows,
+                    queries,
+                    &order,
+                    &sites,
+                    &arrivals,
+                    &[0, 4],
+                    &power,
+                    by_list,
                 );
                 let by_counting = out[1].as_mut_slice();
                 gather_irradiance_by_counting::<false, _>(

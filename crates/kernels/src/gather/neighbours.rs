@@ -34,7 +34,15 @@ impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N
     }
 
     #[inline]
-    fn offer(&mut self, memory: &mut [u32; N], output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
+    fn offer(
+        &mut self,
+        memory: &mut [u32; N],
+        output: &mut O,
+        distance2: f32,
+        slot: u32,
+        sites: &[Site],
+        _arrivals: &A,
+    ) {
         let bits = distance2.to_bits();
         if is_before(bits, slot, self.before, sites) {
             let mut place = self.nearer;
@@ -116,7 +124,9 @@ pub fn gather_neighbours_by_counting<
         end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
         len: 0,
     };
-    let whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, unordered, &mut by_bin) && found.whole;
+    let whole =
+        search::<LINEAR, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, unordered, &mut by_bin)
+            && found.whole;
     let mut n = 0;
     while n < found.rank && n < by_bin.len {
         let (first, _) = take_first(memory, lane, WORDS, by_bin.len - n, position, sites);

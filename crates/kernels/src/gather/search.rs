@@ -85,14 +85,48 @@ pub fn search<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates
                     let mut slot = begins[entry as usize];
                     let end = begins[(entry + entries) as usize];
                     while C::SHORT && slot + 4 <= end {
-                        consider::<LINEAR, _, _, _, _>(slot, position, cell, grid, sites, arrivals, memory, output, candidates);
-                        consider::<LINEAR, _, _, _, _>(slot + 1, position, cell, grid, sites, arrivals, memory, output, candidates);
-                        consider::<LINEAR, _, _, _, _>(slot + 2, position, cell, grid, sites, arrivals, memory, output, candidates);
-                        consider::<LINEAR, _, _, _, _>(slot + 3, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        consider::<LINEAR, _, _, _, _>(
+                            slot, position, cell, grid, sites, arrivals, memory, output, candidates,
+                        );
+                        consider::<LINEAR, _, _, _, _>(
+                            slot + 1,
+                            position,
+                            cell,
+                            grid,
+                            sites,
+                            arrivals,
+                            memory,
+                            output,
+                            candidates,
+                        );
+                        consider::<LINEAR, _, _, _, _>(
+                            slot + 2,
+                            position,
+                            cell,
+                            grid,
+                            sites,
+                            arrivals,
+                            memory,
+                            output,
+                            candidates,
+                        );
+                        consider::<LINEAR, _, _, _, _>(
+                            slot + 3,
+                            position,
+                            cell,
+                            grid,
+                            sites,
+                            arrivals,
+                            memory,
+                            output,
+                            candidates,
+                        );
                         slot += 4;
                     }
                     while slot < end {
-                        consider::<LINEAR, _, _, _, _>(slot, position, cell, grid, sites, arrivals, memory, output, candidates);
+                        consider::<LINEAR, _, _, _, _>(
+                            slot, position, cell, grid, sites, arrivals, memory, output, candidates,
+                        );
                         slot += 1;
                     }
                     whole = whole && slot >= end;

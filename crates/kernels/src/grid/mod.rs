@@ -10,9 +10,7 @@ mod ranges;
 
 pub use cell::{axis_cell, cell_of, coordinates, gap};
 pub use hash::{HASH_LINEAR, HASH_MORTON, HASH_TESCHNER, hash_cell, linear, morton, teschner};
-pub use ranges::{
-    GRID_BLOCK, GridRegisters, LargestShared, cell_begins, hash_photons, hash_queries, reorder_photons,
-};
+pub use ranges::{GRID_BLOCK, GridRegisters, LargestShared, cell_begins, hash_photons, hash_queries, reorder_photons};
 
 use bytemuck::{Pod, Zeroable};
 

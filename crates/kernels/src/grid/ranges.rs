@@ -20,12 +20,7 @@ pub struct GridRegisters<const N: usize> {
 /// The unsorted list of hash values, and the largest power in each block and channel, as bits: those of floats that are not
 /// negative are in the order of the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
 #[inline]
-pub fn hash_photons<
-    const N: usize,
-    L: Turns<GridRegisters<N>>,
-    K: Store<u32> + ?Sized,
-    P: Store<u32> + ?Sized,
->(
+pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + ?Sized, P: Store<u32> + ?Sized>(
     lanes: &mut L,
     group: u32,
     shared: &mut LargestShared,
@@ -105,12 +100,7 @@ fn largest<const N: usize, L: Turns<GridRegisters<N>>>(lanes: &mut L, shared: &m
 ///
 /// The first workgroup also finds the largest of all `powers` in each channel.
 #[inline]
-pub fn cell_begins<
-    const N: usize,
-    L: Turns<GridRegisters<N>>,
-    B: Store<u32> + ?Sized,
-    P: Store<u32> + ?Sized,
->(
+pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?Sized, P: Store<u32> + ?Sized>(
     lanes: &mut L,
     group: u32,
     shared: &mut LargestShared,

@@ -43,11 +43,7 @@ impl Limbs {
     /// Adds a term.
     #[inline]
     pub fn add(&mut self, term: [u32; 3]) {
-        self.0 = [
-            self.0[0].wrapping_add(term[0]),
-            self.0[1].wrapping_add(term[1]),
-            self.0[2].wrapping_add(term[2]),
-        ];
+        self.0 = [self.0[0].wrapping_add(term[0]), self.0[1].wrapping_add(term[1]), self.0[2].wrapping_add(term[2])];
     }
 
     /// Makes room for half of [`MAX_TERMS`] more: moves what the limbs have gathered beyond their 22 bits up. What leaves the highest is

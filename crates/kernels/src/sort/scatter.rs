@@ -18,12 +18,7 @@ const SCRATCH: u32 = PLACES + DIGITS;
 /// `offsets` and `digit_totals` are the outputs of [`scan_rows`](super::scan_rows()) over the histogram, a row a digit. A block
 /// is put in order in shared memory before it is written, so that what lies together is written together.
 #[inline]
-pub fn radix_scatter<
-    const N: usize,
-    L: Turns<BlockRegisters<N>>,
-    K: Store<u32> + ?Sized,
-    V: Store<u32> + ?Sized,
->(
+pub fn radix_scatter<const N: usize, L: Turns<BlockRegisters<N>>, K: Store<u32> + ?Sized, V: Store<u32> + ?Sized>(
     lanes: &mut L,
     group: u32,
     shared: &mut ScatterShared,
@@ -136,12 +131,7 @@ pub fn radix_scatter<
 /// What a single lane does: with nobody beside it, pairs go to their places one after another, and ranks are how far places have
 /// moved on.
 #[inline]
-fn one_by_one<
-    const N: usize,
-    L: Turns<BlockRegisters<N>>,
-    K: Store<u32> + ?Sized,
-    V: Store<u32> + ?Sized,
->(
+fn one_by_one<const N: usize, L: Turns<BlockRegisters<N>>, K: Store<u32> + ?Sized, V: Store<u32> + ?Sized>(
     lanes: &mut L,
     group: u32,
     shared: &mut ScatterShared,
