@@ -4,7 +4,7 @@
 use caustic_bench::points::{Distribution, Points, keys};
 use caustic_device::{Device, Plan};
 use caustic_kernels::layout::{Irradiance, Query};
-use caustic_kernels::num::{Sum, div, sqrt};
+use caustic_kernels::num::{Limbs, div, sqrt};
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -59,11 +59,11 @@ fn root_native(bencher: Bencher<'_, '_>) {
 fn sum_exact(bencher: Bencher<'_, '_>) {
     let operands = operands();
     bencher.counter(ItemsCount::new(operands.len())).bench(|| {
-        let mut sum = Sum::new(1.5);
+        let mut sum = Limbs::ZERO;
         for [a, _] in divan::black_box(&operands) {
-            sum.add(*a);
+            sum.add(Limbs::of(*a, 1.5).0);
         }
-        sum.value()
+        sum.value(1.5)
     });
 }
 

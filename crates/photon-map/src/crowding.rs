@@ -3,7 +3,7 @@
 use crate::MapOptions;
 
 /// Photons that a photon's cell should hold, its own included, on average over all photons: where fewer, a search visits more
-/// rows than it saves candidates, and where more, the other way round (docs/BENCHMARKS.md).
+/// rows than it saves candidates, and where more, the other way round (measured on an H100: ARCHITECTURE.md).
 const OCCUPANCY: f64 = 5.0;
 /// Most positions that are looked at.
 const SAMPLE: usize = 4096;

@@ -143,7 +143,7 @@ impl PhotonMap {
         k: u32,
         gather: Gather,
     ) -> Result<Neighbours, MapError> {
-        let kernel = neighbours_kernel(gather, k, self.grid.hash == HASH_LINEAR)?;
+        let kernel = neighbours_kernel(gather, k, device.is_gpu(), self.grid.hash == HASH_LINEAR)?;
         let rows = u64::from(count) * u64::from(k);
         if rows > u64::from(u32::MAX) {
             return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
@@ -226,7 +226,7 @@ impl PhotonMap {
         k: u32,
         gather: Gather,
     ) -> Result<Vec<Vec<Neighbour>>, MapError> {
-        neighbours_kernel(gather, k, true)?;
+        neighbours_kernel(gather, k, true, true)?;
         let count = query_count(queries)?;
         let query_buffer = device.upload("queries", queries)?;
         let mut plan = Plan::new();

@@ -70,18 +70,21 @@ pub fn capacity(k: u32) -> Result<u32, MapError> {
     fits.ok_or(MapError::K { k: u64::from(k), max: MAX_K })
 }
 
+/// What [`Gather::Auto`] stands for: a cache holds a heap; what a GPU has for a lane does not.
+fn automatic(gather: Gather, gpu: bool) -> Gather {
+    match gather {
+        Gather::Auto if gpu => Gather::Histogram,
+        Gather::Auto => Gather::Heap,
+        chosen => chosen,
+    }
+}
+
 /// The kernel that estimates irradiance from `k` photons.
 pub(crate) fn irradiance_kernel(gather: Gather, k: u32, gpu: bool, linear: bool) -> Result<Kernel, MapError> {
     if k == 0 || k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
-    // A cache holds a heap; what a GPU has for a lane does not.
-    let gather = match gather {
-        Gather::Auto if gpu => Gather::Histogram,
-        Gather::Auto => Gather::Heap,
-        chosen => chosen,
-    };
-    Ok(match (gather, capacity(k + 1)?) {
+    Ok(match (automatic(gather, gpu), capacity(k + 1)?) {
         (Gather::Histogram, _) if linear => Kernel::IrradianceHistogram,
         (Gather::Histogram, _) => Kernel::IrradianceHistogramHashed,
         (Gather::Heap, 17) => Kernel::IrradianceHeap17,
@@ -96,13 +99,13 @@ pub(crate) fn irradiance_kernel(gather: Gather, k: u32, gpu: bool, linear: bool)
 }
 
 /// The kernel that returns the `k` nearest neighbours.
-pub(crate) fn neighbours_kernel(gather: Gather, k: u32, linear: bool) -> Result<Kernel, MapError> {
+pub(crate) fn neighbours_kernel(gather: Gather, k: u32, gpu: bool, linear: bool) -> Result<Kernel, MapError> {
     if k > MAX_K {
         return Err(MapError::K { k: u64::from(k), max: MAX_K });
     }
-    Ok(match (gather, capacity(k)?) {
-        (Gather::Histogram | Gather::Auto, _) if linear => Kernel::NeighboursHistogram,
-        (Gather::Histogram | Gather::Auto, _) => Kernel::NeighboursHistogramHashed,
+    Ok(match (automatic(gather, gpu), capacity(k)?) {
+        (Gather::Histogram, _) if linear => Kernel::NeighboursHistogram,
+        (Gather::Histogram, _) => Kernel::NeighboursHistogramHashed,
         (Gather::Heap, 17) => Kernel::NeighboursHeap17,
         (Gather::Heap, 65) => Kernel::NeighboursHeap65,
         (Gather::Heap, 257) => Kernel::NeighboursHeap257,

@@ -37,7 +37,7 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, [Arrival], O> for All {
     ) {
         self.power.add(arrivals[slot as usize]);
         self.photons += 1;
-        if self.photons % (MAX_TERMS / 2) == 0 {
+        if self.photons & (MAX_TERMS / 2 - 1) == 0 {
             let left = self.power.settle();
             self.above = [self.above[0] + left[0], self.above[1] + left[1], self.above[2] + left[2]];
         }

@@ -2,7 +2,7 @@
 //!
 //! Neighbours are ordered by (squared distance, index the photon had before sorting). That order is total, so "the k
 //! nearest" is one set, whatever the hash, the device or the container that collects it; and what is summed over it is
-//! summed exactly ([`Sum`](crate::num::Sum)), so that the order in which a container holds it does not show.
+//! summed exactly ([`Limbs`](crate::num::Limbs)), so that the order in which a container holds it does not show.
 
 mod counting;
 mod density;

@@ -112,11 +112,10 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
 ) {
     let count = lanes.lanes();
     if group == 0 {
-        let blocks = (grid.photons + GRID_BLOCK - 1) / GRID_BLOCK;
         lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
             r.largest = [0; 3];
             let mut block = lane;
-            while block < blocks {
+            while block * GRID_BLOCK < grid.photons {
                 let first = (3 * block) as usize;
                 r.largest = larger(r.largest, [powers[first], powers[first + 1], powers[first + 2]]);
                 block += count;
