@@ -203,7 +203,7 @@ mod tests {
     /// Every row that has a point within the radius of some point of the query's cell is in the table.
     #[test]
     fn rows_come_nearest_first_and_reach_the_radius() {
-        for cell in [2.0, 1.0, 0.5, 0.3, 0.07] {
+        for cell in [2.0, 1.0, 0.5, 0.3, 0.1] {
             let options = MapOptions { cell: Some(cell), ..options(1.0, Hash::Linear) };
             let grid = plan_grid([0.0; 3], [20.0; 3], 1, &[], &options).unwrap();
             let rows = rows(&grid);
