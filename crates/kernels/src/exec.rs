@@ -20,6 +20,9 @@
 //! An output is written through [`Store`] and never read by the stage that writes it, so the same body serves a plain
 //! slice on the GPU and a buffer shared between threads on the CPU.
 
+/// A stage's input buffer: records that no invocation of the stage writes.
+pub type Input<T> = [T];
+
 /// A stage's output buffer: element `i` is written by at most one invocation of the stage.
 pub trait Store<T> {
     /// Writes element `i`.

@@ -13,7 +13,7 @@
 use super::estimate::over_disc;
 use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, distance2, search};
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::grid::{Grid, MAX_REACH, Row, cell_of, linear};
 use crate::layout::{Arrival, Irradiance, Query, Site};
 
@@ -72,7 +72,7 @@ impl Place {
 
 /// Whether a candidate comes before a place. Its index is read for a tie only.
 #[inline]
-pub(super) fn is_before(bits: u32, slot: u32, place: Place, sites: &[Site]) -> bool {
+pub(super) fn is_before(bits: u32, slot: u32, place: Place, sites: &Input<Site>) -> bool {
     bits < place.bits || (bits == place.bits && sites[slot as usize].photon() < place.index)
 }
 
@@ -150,7 +150,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByDist
         _output: &mut O,
         distance2: f32,
         _slot: u32,
-        _sites: &[Site],
+        _sites: &Input<Site>,
         _arrivals: &A,
     ) {
         let bits = distance2.to_bits();
@@ -200,7 +200,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
         _output: &mut O,
         distance2: f32,
         slot: u32,
-        sites: &[Site],
+        sites: &Input<Site>,
         _arrivals: &A,
     ) {
         if distance2.to_bits() == self.bits {
@@ -245,8 +245,8 @@ fn guess<const LINEAR: bool>(
     position: [f32; 3],
     params: &GatherParams,
     grid: &Grid,
-    rows: &[Row],
-    begins: &[u32],
+    rows: &Input<Row>,
+    begins: &Input<u32>,
 ) -> u32 {
     let last = grid.radius2.to_bits() + 1;
     if !LINEAR {
@@ -307,10 +307,10 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     wanted: u32,
     params: &GatherParams,
     grid: &Grid,
-    rows: &[Row],
-    sites: &[Site],
+    rows: &Input<Row>,
+    sites: &Input<Site>,
     arrivals: &A,
-    begins: &[u32],
+    begins: &Input<u32>,
 ) -> Found {
     let last = grid.radius2.to_bits() + 1;
     let mut bins = Bins::below(guess::<LINEAR>(position, params, grid, rows, begins));
@@ -386,7 +386,7 @@ struct Collect {
     len: u32,
 }
 
-impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Collect {
+impl<const N: usize, O: ?Sized> Candidates<[u32; N], Input<Arrival>, O> for Collect {
     const SHORT: bool = true;
 
     #[inline]
@@ -401,8 +401,8 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], [Arrival], O> for Collect {
         _output: &mut O,
         distance2: f32,
         slot: u32,
-        sites: &[Site],
-        arrivals: &[Arrival],
+        sites: &Input<Site>,
+        arrivals: &Input<Arrival>,
     ) {
         if is_before(distance2.to_bits(), slot, self.from, sites) {
             self.power.add(arrivals[slot as usize]);
@@ -422,7 +422,7 @@ pub(super) fn take_first<const N: usize>(
     word: u32,
     len: u32,
     position: [f32; 3],
-    sites: &[Site],
+    sites: &Input<Site>,
 ) -> (Place, u32) {
     let mut first = Place::ALL;
     let mut slot = 0;
@@ -451,13 +451,13 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
     memory: &mut Columns,
     params: &GatherParams,
     grid: &Grid,
-    rows: &[Row],
-    queries: &[Query],
-    query_order: &[u32],
-    sites: &[Site],
-    arrivals: &[Arrival],
-    begins: &[u32],
-    power: &[u32],
+    rows: &Input<Row>,
+    queries: &Input<Query>,
+    query_order: &Input<u32>,
+    sites: &Input<Site>,
+    arrivals: &Input<Arrival>,
+    begins: &Input<u32>,
+    power: &Input<u32>,
     irradiance: &mut I,
 ) {
     if i >= params.queries {

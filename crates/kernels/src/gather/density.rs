@@ -3,7 +3,7 @@
 use super::estimate::over_disc;
 use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, search};
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
 use crate::layout::{Arrival, Irradiance, Query, Site};
 use crate::num::MAX_TERMS;
@@ -17,7 +17,7 @@ struct All {
     photons: u32,
 }
 
-impl<M: ?Sized, O: ?Sized> Candidates<M, [Arrival], O> for All {
+impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for All {
     const SHORT: bool = true;
 
     #[inline]
@@ -32,8 +32,8 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, [Arrival], O> for All {
         _output: &mut O,
         _distance2: f32,
         slot: u32,
-        _sites: &[Site],
-        arrivals: &[Arrival],
+        _sites: &Input<Site>,
+        arrivals: &Input<Arrival>,
     ) {
         self.power.add(arrivals[slot as usize]);
         self.photons += 1;
@@ -51,13 +51,13 @@ pub fn gather_density<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
     i: u32,
     params: &GatherParams,
     grid: &Grid,
-    rows: &[Row],
-    queries: &[Query],
-    query_order: &[u32],
-    sites: &[Site],
-    arrivals: &[Arrival],
-    begins: &[u32],
-    power: &[u32],
+    rows: &Input<Row>,
+    queries: &Input<Query>,
+    query_order: &Input<u32>,
+    sites: &Input<Site>,
+    arrivals: &Input<Arrival>,
+    begins: &Input<u32>,
+    power: &Input<u32>,
     irradiance: &mut I,
 ) {
     if i >= params.queries {

@@ -2,7 +2,7 @@
 
 use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, Selection, search};
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::grid::{Grid, HASH_LINEAR, Row};
 use crate::layout::{Arrival, Irradiance, Neighbour, Query, Site};
 use crate::num::div;
@@ -15,7 +15,7 @@ const NONE: u32 = 0xffff_ffff;
 /// many there are, or [`CUT_SHORT`], to `counts[q]`, where `q = query_order[i]` is the query's index.
 #[inline]
 pub fn gather_neighbours<
-    S: Selection + Candidates<(), [Site], ()>,
+    S: Selection + Candidates<(), Input<Site>, ()>,
     N: Store<Neighbour> + ?Sized,
     C: Store<u32> + ?Sized,
 >(
@@ -23,11 +23,11 @@ pub fn gather_neighbours<
     mut selection: S,
     params: &GatherParams,
     grid: &Grid,
-    rows: &[Row],
-    queries: &[Query],
-    query_order: &[u32],
-    sites: &[Site],
-    begins: &[u32],
+    rows: &Input<Row>,
+    queries: &Input<Query>,
+    query_order: &Input<u32>,
+    sites: &Input<Site>,
+    begins: &Input<u32>,
     neighbours: &mut N,
     counts: &mut C,
 ) {
@@ -60,18 +60,18 @@ pub fn gather_neighbours<
 ///
 /// `power` is the largest power of any photon in each channel, as bits.
 #[inline]
-pub fn gather_irradiance<S: Selection + Candidates<(), [Arrival], ()>, I: Store<Irradiance> + ?Sized>(
+pub fn gather_irradiance<S: Selection + Candidates<(), Input<Arrival>, ()>, I: Store<Irradiance> + ?Sized>(
     i: u32,
     mut selection: S,
     params: &GatherParams,
     grid: &Grid,
-    rows: &[Row],
-    queries: &[Query],
-    query_order: &[u32],
-    sites: &[Site],
-    arrivals: &[Arrival],
-    begins: &[u32],
-    power: &[u32],
+    rows: &Input<Row>,
+    queries: &Input<Query>,
+    query_order: &Input<u32>,
+    sites: &Input<Site>,
+    arrivals: &Input<Arrival>,
+    begins: &Input<u32>,
+    power: &Input<u32>,
     irradiance: &mut I,
 ) {
     if i >= params.queries {
@@ -105,10 +105,10 @@ pub fn gather_irradiance<S: Selection + Candidates<(), [Arrival], ()>, I: Store<
 fn search_any<A: ?Sized, S: Candidates<(), A, ()>>(
     position: [f32; 3],
     grid: &Grid,
-    rows: &[Row],
-    sites: &[Site],
+    rows: &Input<Row>,
+    sites: &Input<Site>,
     arrivals: &A,
-    begins: &[u32],
+    begins: &Input<u32>,
     selection: &mut S,
 ) -> bool {
     if grid.hash == HASH_LINEAR {
@@ -120,7 +120,7 @@ fn search_any<A: ?Sized, S: Candidates<(), A, ()>>(
 
 /// Power of the selected photons, without the one at `left_out`.
 #[inline]
-fn sum_power<S: Selection>(selection: &S, left_out: u32, arrivals: &[Arrival]) -> Power {
+fn sum_power<S: Selection>(selection: &S, left_out: u32, arrivals: &Input<Arrival>) -> Power {
     let mut power = Power::new();
     let mut n = 0;
     while n < selection.count() {

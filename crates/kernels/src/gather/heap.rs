@@ -1,6 +1,7 @@
 //! A max-heap in a fixed-size array: the data structure that the thesis proposes in section 5.6 in place of its list.
 
 use super::{Candidates, Selection, before};
+use crate::exec::Input;
 use crate::layout::Site;
 
 /// The `k ≤ N` first candidates, the last of them on top (Cormen, Leiserson and Rivest, chapter 6).
@@ -28,7 +29,7 @@ impl<const N: usize> Heap<N> {
 
     /// Lets (`distance2`, `slot`) sink from `hole` through a heap of `len` elements.
     #[inline]
-    fn sift_down(&mut self, mut hole: u32, len: u32, distance2: f32, slot: u32, sites: &[Site]) {
+    fn sift_down(&mut self, mut hole: u32, len: u32, distance2: f32, slot: u32, sites: &Input<Site>) {
         let mut child = 2 * hole + 1;
         while child < len {
             let right = child + 1;
@@ -58,7 +59,7 @@ impl<const N: usize> Heap<N> {
 
     /// Makes a heap of the elements in any order (Floyd 1964).
     #[inline]
-    fn heapify(&mut self, sites: &[Site]) {
+    fn heapify(&mut self, sites: &Input<Site>) {
         let mut root = self.len / 2;
         while root > 0 {
             root -= 1;
@@ -81,7 +82,15 @@ impl<M: ?Sized, A: ?Sized, O: ?Sized, const N: usize> Candidates<M, A, O> for He
     }
 
     #[inline]
-    fn offer(&mut self, _memory: &mut M, _output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
+    fn offer(
+        &mut self,
+        _memory: &mut M,
+        _output: &mut O,
+        distance2: f32,
+        slot: u32,
+        sites: &Input<Site>,
+        _arrivals: &A,
+    ) {
         if self.len < self.k {
             // Until it is full nothing is rejected, and no order is needed.
             self.put(self.len, distance2, slot);
@@ -106,7 +115,7 @@ impl<const N: usize> Selection for Heap<N> {
     }
 
     #[inline]
-    fn sort(&mut self, sites: &[Site]) {
+    fn sort(&mut self, sites: &Input<Site>) {
         if self.len < self.k {
             self.heapify(sites);
         }

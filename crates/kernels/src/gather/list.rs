@@ -1,6 +1,7 @@
 //! The sorted list with which the thesis collects photons (section 3.1.3).
 
 use super::{Candidates, Selection, before};
+use crate::exec::Input;
 use crate::layout::Site;
 
 /// The `k ≤ N` first candidates in order. A nearer photon is inserted where it belongs and the later ones move back one
@@ -35,7 +36,15 @@ impl<M: ?Sized, A: ?Sized, O: ?Sized, const N: usize> Candidates<M, A, O> for So
     }
 
     #[inline]
-    fn offer(&mut self, _memory: &mut M, _output: &mut O, distance2: f32, slot: u32, sites: &[Site], _arrivals: &A) {
+    fn offer(
+        &mut self,
+        _memory: &mut M,
+        _output: &mut O,
+        distance2: f32,
+        slot: u32,
+        sites: &Input<Site>,
+        _arrivals: &A,
+    ) {
         let mut place = self.len;
         if self.len == self.k {
             place = self.len - 1;
@@ -75,7 +84,7 @@ impl<const N: usize> Selection for SortedList<N> {
     }
 
     #[inline]
-    fn sort(&mut self, _sites: &[Site]) {}
+    fn sort(&mut self, _sites: &Input<Site>) {}
 
     #[inline]
     fn last(&self) -> u32 {

@@ -21,6 +21,7 @@ pub use list::SortedList;
 pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
 pub use search::{distance2, root_above, search};
 
+use crate::exec::Input;
 use crate::layout::Site;
 use bytemuck::{Pod, Zeroable};
 
@@ -51,7 +52,7 @@ pub trait Candidates<M: ?Sized, A: ?Sized, O: ?Sized> {
     /// Squared distance beyond which a candidate does not matter, m².
     fn bound(&self) -> f32;
     /// Offers candidate `slot`, an index into the sorted `sites` and `arrivals`.
-    fn offer(&mut self, memory: &mut M, output: &mut O, distance2: f32, slot: u32, sites: &[Site], arrivals: &A);
+    fn offer(&mut self, memory: &mut M, output: &mut O, distance2: f32, slot: u32, sites: &Input<Site>, arrivals: &A);
     /// Lowers the bound, if that takes more work than one candidate is worth: called between rows.
     #[inline]
     fn settle(&mut self, _memory: &mut M) {}
@@ -65,7 +66,7 @@ pub trait Selection {
     /// Empties it and sets what it keeps: the `k` first in order among those at most `radius2` (m²) away.
     fn reset(&mut self, k: u32, radius2: f32);
     /// Puts what was kept in order, nearest first.
-    fn sort(&mut self, sites: &[Site]);
+    fn sort(&mut self, sites: &Input<Site>);
     /// Where, before it is sorted, a full container has what is last in order.
     fn last(&self) -> u32;
     /// How many were kept.
@@ -78,7 +79,7 @@ pub trait Selection {
 
 /// Whether a candidate comes before another in the order of neighbours.
 #[inline]
-fn before(distance2: f32, slot: u32, other_distance2: f32, other_slot: u32, sites: &[Site]) -> bool {
+fn before(distance2: f32, slot: u32, other_distance2: f32, other_slot: u32, sites: &Input<Site>) -> bool {
     if distance2 == other_distance2 {
         sites[slot as usize].photon() < sites[other_slot as usize].photon()
     } else {

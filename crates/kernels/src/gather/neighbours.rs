@@ -5,7 +5,7 @@
 
 use super::counting::{BINS, Bins, COLUMN_LANES, Place, WORDS, at, count_of, find, is_before, take_first};
 use super::{CUT_SHORT, Candidates, GatherParams, search};
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
 use crate::layout::{Neighbour, Query, Site};
 
@@ -40,7 +40,7 @@ impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N
         output: &mut O,
         distance2: f32,
         slot: u32,
-        sites: &[Site],
+        sites: &Input<Site>,
         _arrivals: &A,
     ) {
         let bits = distance2.to_bits();
@@ -76,11 +76,11 @@ pub fn gather_neighbours_by_counting<
     memory: &mut WideColumns,
     params: &GatherParams,
     grid: &Grid,
-    rows: &[Row],
-    queries: &[Query],
-    query_order: &[u32],
-    sites: &[Site],
-    begins: &[u32],
+    rows: &Input<Row>,
+    queries: &Input<Query>,
+    query_order: &Input<u32>,
+    sites: &Input<Site>,
+    begins: &Input<u32>,
     unordered: &mut N,
     counts: &mut C,
     windows: &mut W,
@@ -145,9 +145,9 @@ pub fn gather_neighbours_by_counting<
 pub fn order_neighbours<N: Store<Neighbour> + ?Sized>(
     i: u32,
     params: &GatherParams,
-    counts: &[u32],
-    windows: &[u32],
-    unordered: &[Neighbour],
+    counts: &Input<u32>,
+    windows: &Input<u32>,
+    unordered: &Input<Neighbour>,
     neighbours: &mut N,
 ) {
     let q = i / params.k;

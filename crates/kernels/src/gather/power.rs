@@ -1,5 +1,6 @@
 //! Power of photons, added up so that their order does not show.
 
+use crate::exec::Input;
 use crate::layout::Arrival;
 use crate::num::Limbs;
 
@@ -46,7 +47,7 @@ impl Power {
 
     /// The sums, W. `power` are the largest powers of the map, to which limbs are aligned, as bits.
     #[inline]
-    pub(super) fn value(&self, power: &[u32]) -> [f32; 3] {
+    pub(super) fn value(&self, power: &Input<u32>) -> [f32; 3] {
         [
             self.channel(0).value(f32::from_bits(power[0])),
             self.channel(1).value(f32::from_bits(power[1])),

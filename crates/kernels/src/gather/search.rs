@@ -1,6 +1,7 @@
 //! The walk through the cells around a query.
 
 use super::Candidates;
+use crate::exec::Input;
 use crate::grid::{Grid, MAX_REACH, Row, axis_cell, cell_of, coordinates, gap, hash_cell, linear};
 use crate::layout::Site;
 
@@ -42,10 +43,10 @@ pub fn root_above(x: f32) -> f32 {
 pub fn search<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     position: [f32; 3],
     grid: &Grid,
-    rows: &[Row],
-    sites: &[Site],
+    rows: &Input<Row>,
+    sites: &Input<Site>,
     arrivals: &A,
-    begins: &[u32],
+    begins: &Input<u32>,
     memory: &mut M,
     output: &mut O,
     candidates: &mut C,
@@ -147,7 +148,7 @@ fn consider<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M
     position: [f32; 3],
     cell: [u32; 3],
     grid: &Grid,
-    sites: &[Site],
+    sites: &Input<Site>,
     arrivals: &A,
     memory: &mut M,
     output: &mut O,

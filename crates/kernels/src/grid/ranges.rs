@@ -1,7 +1,7 @@
 //! The construction kernels of section 3.1.3 that stand around the sort.
 
 use super::{Grid, cell_of, hash_cell};
-use crate::exec::{Store, Turns};
+use crate::exec::{Input, Store, Turns};
 use crate::layout::{Arrival, Photon, Query, Site};
 use crate::num::Limbs;
 
@@ -25,7 +25,7 @@ pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + 
     group: u32,
     shared: &mut LargestShared,
     grid: &Grid,
-    photons: &[Photon],
+    photons: &Input<Photon>,
     keys: &mut K,
     powers: &mut P,
 ) {
@@ -105,8 +105,8 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
     group: u32,
     shared: &mut LargestShared,
     grid: &Grid,
-    keys: &[u32],
-    powers: &[u32],
+    keys: &Input<u32>,
+    powers: &Input<u32>,
     begins: &mut B,
     power: &mut P,
 ) {
@@ -146,7 +146,7 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
 /// The first place from `place` on whose key is not below `key`: by steps that double, then by halves, so that near ones are
 /// found as fast as far ones can be.
 #[inline]
-fn first_from(keys: &[u32], place: u32, end: u32, key: u32) -> u32 {
+fn first_from(keys: &Input<u32>, place: u32, end: u32, key: u32) -> u32 {
     if place >= end || keys[place as usize] >= key {
         return place;
     }
@@ -178,9 +178,9 @@ fn first_from(keys: &[u32], place: u32, end: u32, key: u32) -> u32 {
 pub fn reorder_photons<S: Store<Site> + ?Sized, A: Store<Arrival> + ?Sized>(
     i: u32,
     grid: &Grid,
-    order: &[u32],
-    photons: &[Photon],
-    power: &[u32],
+    order: &Input<u32>,
+    photons: &Input<Photon>,
+    power: &Input<u32>,
     sites: &mut S,
     arrivals: &mut A,
 ) {
@@ -202,7 +202,7 @@ pub fn hash_queries<K: Store<u32> + ?Sized>(
     i: u32,
     params: &crate::gather::GatherParams,
     grid: &Grid,
-    queries: &[Query],
+    queries: &Input<Query>,
     keys: &mut K,
 ) {
     if i < params.queries {

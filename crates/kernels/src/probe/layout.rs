@@ -4,7 +4,7 @@
 //! first record, and in the first field of the second, which is the record's size: the layout as the device has it, and not
 //! as a compiler says.
 
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::gather::GatherParams;
 use crate::grid::{Grid, Row};
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
@@ -56,7 +56,7 @@ macro_rules! layouts {
     ($($(#[$doc:meta])* $kernel:ident($($arg:ident: $record:ident { $first:ident $(, $field:ident)* }),*);)*) => {
         $($(#[$doc])*
         #[inline]
-        pub fn $kernel<W: Store<u32> + ?Sized>(i: u32, $($arg: &[$record],)* words: &mut W) {
+        pub fn $kernel<W: Store<u32> + ?Sized>(i: u32, $($arg: &Input<$record>,)* words: &mut W) {
             if i == 0 {
                 let mut at = 0;
                 $(

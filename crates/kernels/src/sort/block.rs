@@ -1,7 +1,7 @@
 //! What counting and scattering share: a block of pairs, and who handles which of them.
 
 use super::{DIGITS, RadixPass, SORT_BLOCK, digit};
-use crate::exec::{TURN_ITEMS, TURN_VALUES, Turns};
+use crate::exec::{Input, TURN_ITEMS, TURN_VALUES, Turns};
 
 /// Does something for the items 0, 1, … of a lane, eight a turn: drivers do not unroll such loops, and what is unrolled needs no
 /// memory for its registers.
@@ -56,7 +56,7 @@ pub(super) fn count_digits<const KEEP: bool, const N: usize, const W: usize, L: 
     group: u32,
     shared: &mut [u32; W],
     pass: &RadixPass,
-    keys: &[u32],
+    keys: &Input<u32>,
 ) {
     const { assert!(DIGITS == TURN_VALUES && (N as u32).is_multiple_of(TURN_ITEMS)) };
     let count = lanes.lanes();

@@ -2,7 +2,7 @@
 
 use super::block::{BlockRegisters, count_digits};
 use super::{DIGITS, RadixPass};
-use crate::exec::{Store, Turns};
+use crate::exec::{Input, Store, Turns};
 
 /// Shared memory for counters of 8 subgroups. A GPU runs as many workgroups at once as fit its shared memory.
 pub type CountShared = [u32; 2048];
@@ -19,7 +19,7 @@ pub fn radix_count<const N: usize, const W: usize, L: Turns<BlockRegisters<N>>, 
     group: u32,
     shared: &mut [u32; W],
     pass: &RadixPass,
-    keys: &[u32],
+    keys: &Input<u32>,
     histogram: &mut H,
 ) {
     if group >= pass.blocks {

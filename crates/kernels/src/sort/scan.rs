@@ -3,7 +3,7 @@
 //! One kernel serves every scan of the project. Sorting scans a row a digit. A long array is scanned as
 //! rows of [`SCAN_BLOCK`] elements, then their totals as one more row; whoever reads element `i` adds the two.
 
-use crate::exec::{Lanes, Store};
+use crate::exec::{Input, Lanes, Store};
 use bytemuck::{Pod, Zeroable};
 
 /// Lanes of a scanning workgroup.
@@ -34,7 +34,7 @@ pub fn scan_rows<L: Lanes<[u32; 2]>, O: Store<u32> + ?Sized, T: Store<u32> + ?Si
     group: u32,
     shared: &mut ScanShared,
     params: &ScanParams,
-    input: &[u32],
+    input: &Input<u32>,
     sums: &mut O,
     totals: &mut T,
 ) {

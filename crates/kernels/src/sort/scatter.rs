@@ -2,7 +2,7 @@
 
 use super::block::{BlockRegisters, count_digits, for_items, items_of, scan_digits};
 use super::{DIGITS, RadixPass, SORT_BLOCK, VALUES_INDICES, VALUES_NONE, digit};
-use crate::exec::{Store, Turns};
+use crate::exec::{Input, Store, Turns};
 
 /// Shared memory of a scattering workgroup: counters of up to 16 subgroups and then the block in its new order …
 pub type ScatterShared = [u32; 5120];
@@ -23,10 +23,10 @@ pub fn radix_scatter<const N: usize, L: Turns<BlockRegisters<N>>, K: Store<u32> 
     group: u32,
     shared: &mut ScatterShared,
     pass: &RadixPass,
-    keys: &[u32],
-    values: &[u32],
-    offsets: &[u32],
-    digit_totals: &[u32],
+    keys: &Input<u32>,
+    values: &Input<u32>,
+    offsets: &Input<u32>,
+    digit_totals: &Input<u32>,
     keys_out: &mut K,
     values_out: &mut V,
 ) {
@@ -136,10 +136,10 @@ fn one_by_one<const N: usize, L: Turns<BlockRegisters<N>>, K: Store<u32> + ?Size
     group: u32,
     shared: &mut ScatterShared,
     pass: &RadixPass,
-    keys: &[u32],
-    values: &[u32],
-    offsets: &[u32],
-    digit_totals: &[u32],
+    keys: &Input<u32>,
+    values: &Input<u32>,
+    offsets: &Input<u32>,
+    digit_totals: &Input<u32>,
     keys_out: &mut K,
     values_out: &mut V,
 ) {

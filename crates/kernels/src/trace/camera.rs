@@ -6,7 +6,7 @@ use super::intersect::{LOST, MISS, closest_hit, leave, surface_at};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
 use super::vector::{dot, normalize};
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::layout::Query;
 use crate::num::{Rng, div, pcg4d, shuffle_index, sobol2};
 use bytemuck::{Pod, Zeroable};
@@ -72,10 +72,10 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     tile: &CameraTile,
     camera: &Camera,
     info: &SceneInfo,
-    nodes: &[BvhNode],
-    primitives: &[Primitive],
-    materials: &[Material],
-    lights: &[Light],
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    lights: &Input<Light>,
     queries: &mut Q,
     vertices: &mut V,
 ) {

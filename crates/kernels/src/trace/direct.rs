@@ -6,7 +6,7 @@ use super::emission::{choose_light, light_point};
 use super::intersect::{LOST, MISS, leave, occluded};
 use super::scene::{LIGHT_AREA, Light, Primitive, SceneInfo};
 use super::vector::dot;
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::gather::CUT_SHORT;
 use crate::layout::{Irradiance, Query};
 use crate::num::{div, sqrt};
@@ -22,11 +22,11 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
     i: u32,
     tile: &CameraTile,
     info: &SceneInfo,
-    nodes: &[BvhNode],
-    primitives: &[Primitive],
-    lights: &[Light],
-    queries: &[Query],
-    vertices: &[Vertex],
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    lights: &Input<Light>,
+    queries: &Input<Query>,
+    vertices: &Input<Vertex>,
     direct: &mut D,
 ) {
     if i >= tile.pixels * tile.samples {

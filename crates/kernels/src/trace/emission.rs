@@ -3,6 +3,7 @@
 use super::photons::{PhotonPass, RAY_GLOBAL};
 use super::scene::{LIGHT_AREA, Light, NO_LIGHT, SceneInfo, Target};
 use super::vector::{dot, normalize, sample_cone, sample_cosine};
+use crate::exec::Input;
 use crate::num::{Rng, div, sqrt};
 use glam::Vec3;
 
@@ -23,7 +24,7 @@ pub struct Emitted {
 /// Chooses light by `u`, each with the chance that the host gave it.
 #[inline]
 #[must_use]
-pub fn choose_light(u: f32, info: &SceneInfo, lights: &[Light]) -> u32 {
+pub fn choose_light(u: f32, info: &SceneInfo, lights: &Input<Light>) -> u32 {
     let mut chosen = 0;
     while chosen + 1 < info.lights && u >= lights[chosen as usize].cumulative {
         chosen += 1;
@@ -51,7 +52,13 @@ pub fn light_point(light: &Light, u: f32, v: f32) -> Vec3 {
 /// the mean over all targets of 1/Ω of those whose cones hold it, so that cones may overlap.
 #[inline]
 #[must_use]
-pub fn emit(index: u32, pass: &PhotonPass, info: &SceneInfo, lights: &[Light], targets: &[Target]) -> Emitted {
+pub fn emit(
+    index: u32,
+    pass: &PhotonPass,
+    info: &SceneInfo,
+    lights: &Input<Light>,
+    targets: &Input<Target>,
+) -> Emitted {
     let rng = Rng { seed: pass.seed, stream: pass.rays, index };
     let place = rng.draw4(0);
     let aim = rng.draw4(1);

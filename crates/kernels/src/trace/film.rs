@@ -2,7 +2,7 @@
 
 use super::LOST;
 use super::camera::Vertex;
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::gather::CUT_SHORT;
 use crate::layout::Irradiance;
 use crate::num::{div, is_finite};
@@ -57,10 +57,10 @@ pub struct Pixel {
 pub fn develop_film<P: Store<Pixel> + ?Sized>(
     i: u32,
     tile: &FilmTile,
-    vertices: &[Vertex],
-    direct: &[Irradiance],
-    global: &[Irradiance],
-    caustic: &[Irradiance],
+    vertices: &Input<Vertex>,
+    direct: &Input<Irradiance>,
+    global: &Input<Irradiance>,
+    caustic: &Input<Irradiance>,
     film: &mut P,
 ) {
     if i >= tile.pixels {

@@ -3,6 +3,7 @@
 use super::bvh::{BvhNode, INNER, LEAF_BITS, Slabs, octant};
 use super::scene::{PRIMITIVE_QUAD, Primitive, SceneInfo};
 use super::vector::{dot, normalize};
+use crate::exec::Input;
 use crate::num::{abs, div, max, sqrt};
 use glam::Vec3;
 
@@ -44,8 +45,8 @@ pub fn closest_hit(
     origin: Vec3,
     direction: Vec3,
     info: &SceneInfo,
-    nodes: &[BvhNode],
-    primitives: &[Primitive],
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
 ) -> Hit {
     let slabs = Slabs::new(origin, direction);
     let mut best = Hit { t: f32::MAX, primitive: MISS };
@@ -87,8 +88,8 @@ pub fn occluded(
     distance: f32,
     except: u32,
     info: &SceneInfo,
-    nodes: &[BvhNode],
-    primitives: &[Primitive],
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
 ) -> u32 {
     let slabs = Slabs::new(origin, direction);
     let mut found = MISS;

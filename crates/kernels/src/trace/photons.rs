@@ -11,7 +11,7 @@ use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, Primitive, SceneInfo, Target};
 use super::vector::{dot, pack_direction, sample_cosine};
 use super::{LOST, MAX_BOUNCES};
-use crate::exec::Store;
+use crate::exec::{Input, Store};
 use crate::layout::Photon;
 use crate::num::{Rng, div};
 use crate::sort::SCAN_BLOCK;
@@ -56,11 +56,11 @@ pub fn count_photons<C: Store<u32> + ?Sized, F: Store<u32> + ?Sized, S: Store<u3
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
-    nodes: &[BvhNode],
-    primitives: &[Primitive],
-    materials: &[Material],
-    lights: &[Light],
-    targets: &[Target],
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    lights: &Input<Light>,
+    targets: &Input<Target>,
     counts: &mut C,
     fates: &mut F,
     segments: &mut S,
@@ -82,14 +82,14 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
-    nodes: &[BvhNode],
-    primitives: &[Primitive],
-    materials: &[Material],
-    lights: &[Light],
-    targets: &[Target],
-    counts: &[u32],
-    offsets: &[u32],
-    block_offsets: &[u32],
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    lights: &Input<Light>,
+    targets: &Input<Target>,
+    counts: &Input<u32>,
+    offsets: &Input<u32>,
+    block_offsets: &Input<u32>,
     photons: &mut P,
 ) {
     if i < pass.paths {
@@ -123,11 +123,11 @@ fn walk<F: FnMut(u32, Photon)>(
     path: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
-    nodes: &[BvhNode],
-    primitives: &[Primitive],
-    materials: &[Material],
-    lights: &[Light],
-    targets: &[Target],
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    lights: &Input<Light>,
+    targets: &Input<Target>,
     mut store: F,
 ) -> Walked {
     let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false };
