@@ -11,6 +11,7 @@ use caustic_kernels::gather::*;
 use caustic_kernels::grid::{self, *};
 use caustic_kernels::layout::*;
 use caustic_kernels::probe::*;
+use caustic_kernels::rivals::{self, *};
 use caustic_kernels::sort::{self, *};
 use caustic_kernels::trace::{self, *};
 use caustic_kernels::{gather, probe, stages};

@@ -15,6 +15,7 @@ pub mod grid;
 pub mod layout;
 pub mod num;
 pub mod probe;
+pub mod rivals;
 pub mod sort;
 mod stages;
 pub mod trace;

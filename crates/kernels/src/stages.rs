@@ -150,6 +150,11 @@ macro_rules! stages {
                 5 sites: In Site, 6 begins: In u32, 7 neighbours: Out Neighbour, 8 counts: Out u32
             ) = gather::gather_neighbours;
 
+            each EstimateOfNeighbours = estimate_of_neighbours [64] (
+                0 params: One SearchParams, 1 photons: In Photon, 2 power: In u32, 3 neighbours: In Neighbour, 4 counts: In u32,
+                5 irradiance: Out Irradiance
+            ) = rivals::estimate_of_neighbours;
+
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 counts: Out u32, 8 fates: Out u32,
@@ -187,6 +192,9 @@ macro_rules! stages {
             each LayoutGrid = layout_grid [64] (
                 0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 words: Out u32
             ) = probe::layout_grid;
+            each LayoutRivals = layout_rivals [64] (
+                0 search: In SearchParams, 1 words: Out u32
+            ) = probe::layout_rivals;
             each LayoutSort = layout_sort [64] (
                 0 radix: In RadixPass, 1 scan: In ScanParams, 2 pass: In PhotonPass, 3 targets: In Target, 4 words: Out u32
             ) = probe::layout_sort;

@@ -261,8 +261,9 @@ fn guess(wanted: u32) -> f32 {
     ((wanted + 2.5 * wanted.sqrt()) / (4.0 / 3.0 * std::f64::consts::PI)).powf(2.0 / 3.0) as f32
 }
 
-/// Positions of some photons, evenly from all.
-fn sample(photons: &[Photon]) -> Vec<[f32; 3]> {
+/// Positions of some photons, evenly from all, m: what [`plan_grid`] wants to see of them.
+#[must_use]
+pub fn sample(photons: &[Photon]) -> Vec<[f32; 3]> {
     photons.iter().step_by(photons.len().div_ceil(4096).max(1)).map(|photon| photon.position).collect()
 }
 
@@ -283,15 +284,22 @@ fn estimates(
     Ok(estimates)
 }
 
-/// Refuses results of searches that the device ended early.
-fn whole(device: &Device, counts: impl Iterator<Item = u32>) -> Result<(), MapError> {
+/// Refuses results of searches that the device ended early, which say [`CUT_SHORT`] where they say how many photons they found.
+///
+/// # Errors
+/// [`MapError::CutShort`].
+pub fn whole(device: &Device, counts: impl Iterator<Item = u32>) -> Result<(), MapError> {
     match counts.filter(|&count| count == CUT_SHORT).count() {
         0 => Ok(()),
         searches => Err(MapError::CutShort { device: device.name(), searches }),
     }
 }
 
-fn query_count(queries: &[Query]) -> Result<u32, MapError> {
+/// The number of queries.
+///
+/// # Errors
+/// [`MapError::NotFinite`] and [`MapError::TooMany`].
+pub fn query_count(queries: &[Query]) -> Result<u32, MapError> {
     bounds("queries", queries.iter().map(|query| query.position))?;
     u32::try_from(queries.len()).ok().filter(|&count| count <= MAX_PHOTONS).ok_or(MapError::TooMany {
         what: "queries",

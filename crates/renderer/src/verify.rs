@@ -8,12 +8,15 @@ use caustic_kernels::layout::{Photon, Query, Site};
 use caustic_kernels::num::{pcg4d, u32_to_unit};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams, LAYOUT_WORDS, LAYOUTS};
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
+use caustic_rivals::{Photons, Technique};
 use serde::Serialize;
 
 /// Pairs of operands of the arithmetic probe.
 const PAIRS: u32 = 1 << 18;
 /// Photons of the synthetic maps: so few that a sorted list of them stays within the 65,535 steps that llvmpipe allows.
 const PHOTONS: u32 = 2500;
+/// Photons that other techniques search: a sorted array of all distances takes many steps.
+const PHOTONS_OF_RIVALS: u32 = 600;
 /// Queries of the synthetic maps.
 const QUERIES: u32 = 400;
 /// Photons sought: one number for each compiled capacity.
@@ -84,7 +87,7 @@ pub fn verify(
     seed: u32,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Verification, RenderError> {
-    let total = 7 + BUILT_IN.len() as u64;
+    let total = 8 + BUILT_IN.len() as u64;
     let mut done = 0;
     let mut tick = |phase| {
         let goes_on = progress(Progress { phase, done, total });
@@ -110,6 +113,8 @@ pub fn verify(
         tick(phase)?;
         map(&twin, hash, seed)?;
     }
+    tick("other techniques")?;
+    rivals(&twin, seed)?;
     let mut images = Vec::new();
     let built_in = BUILT_IN.iter().map(|built_in| {
         let Ok(scene) = Scene::parse(built_in.name, built_in.text) else { unreachable!("built-in scenes are tested") };
@@ -166,8 +171,14 @@ fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
 }
 
 /// The kernels that write down where they find fields.
-const LAYOUT_KERNELS: [Kernel; 5] =
-    [Kernel::LayoutMap, Kernel::LayoutGrid, Kernel::LayoutSort, Kernel::LayoutScene, Kernel::LayoutFilm];
+const LAYOUT_KERNELS: [Kernel; 6] = [
+    Kernel::LayoutMap,
+    Kernel::LayoutGrid,
+    Kernel::LayoutRivals,
+    Kernel::LayoutSort,
+    Kernel::LayoutScene,
+    Kernel::LayoutFilm,
+];
 
 /// Runs the layout kernels, and names the records that are not laid out as the host lays them out, on either device.
 fn layouts(twin: &Device, gpu: &Device) -> Result<Vec<String>, RenderError> {
@@ -214,21 +225,27 @@ fn layout_words(device: &Device, kernel: Kernel) -> Result<Vec<u32>, RenderError
     Ok(device.read(&words, u64::from(LAYOUT_WORDS))?)
 }
 
-/// Builds a map of random photons, some of them crowded, and searches it in every way.
-fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
+/// Random photons, some of them crowded, and places to look for them, one of which does not look.
+fn photons_and_queries(seed: u32, of: u32, photons: u32) -> (Vec<Photon>, Vec<Query>) {
     let unit = |i: u32, stream: u32| {
-        let random = pcg4d([seed, i, stream, hash.code()]);
+        let random = pcg4d([seed, i, stream, of]);
         [random[0], random[1], random[2]].map(u32_to_unit)
     };
     let place = |i: u32, stream: u32| {
         let [x, y, z] = unit(i, stream);
         if i.is_multiple_of(16) { [0.4 + 0.01 * x, 0.5 + 0.01 * y, 0.5] } else { [x - 0.5, y, 3.0 * z] }
     };
-    let photons: Vec<Photon> = (0..PHOTONS)
+    let photons = (0..photons)
         .map(|i| Photon { position: place(i, 2), power: unit(i, 3).map(|u| u * u), direction: i, primitive: i % 7 })
         .collect();
     let mut queries: Vec<Query> = (0..QUERIES).map(|i| Query { position: place(i, 4), active: 1 }).collect();
     queries[1].active = 0;
+    (photons, queries)
+}
+
+/// Builds a map and searches it in every way.
+fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
+    let (photons, queries) = photons_and_queries(seed, hash.code(), PHOTONS);
     let map = PhotonMap::build(twin, &photons, &MapOptions { radius: 0.28, hash, table: None, cell: None })?;
     for k in KS {
         for gather in [Gather::Histogram, Gather::Heap, Gather::List] {
@@ -237,6 +254,19 @@ fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
         }
     }
     map.density(twin, &queries)?;
+    Ok(())
+}
+
+/// Has every technique find photons.
+fn rivals(twin: &Device, seed: u32) -> Result<(), RenderError> {
+    let (photons, queries) = photons_and_queries(seed, 3, PHOTONS_OF_RIVALS);
+    let photons = Photons::upload(twin, &photons)?;
+    for technique in Technique::ALL.iter().filter(|technique| technique.runs_on(twin)) {
+        let index = technique.build(twin, &photons, 0.28)?;
+        for k in KS {
+            caustic_rivals::irradiance(twin, index.as_ref(), &photons, 0.28, &queries, k)?;
+        }
+    }
     Ok(())
 }
 

@@ -495,5 +495,5 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
     }
     let radius2 = if found.enough { f32::from_bits(last.bits) } else { grid.radius2 };
     let photons = if whole { counted } else { CUT_SHORT };
-    irradiance.set(q, Irradiance { rgb: over_disc(collect.power.value(power), radius2, grid), photons });
+    irradiance.set(q, Irradiance { rgb: over_disc(collect.power.value(power), radius2, grid.radius2), photons });
 }

@@ -92,7 +92,7 @@ pub fn gather_irradiance<S: Selection + Candidates<(), Input<Arrival>, ()>, I: S
             radius2 = selection.distance2(left_out);
         }
         let rgb = sum_power(&selection, left_out, arrivals).value(power);
-        result.rgb = over_disc(rgb, radius2, grid);
+        result.rgb = over_disc(rgb, radius2, grid.radius2);
         if !whole {
             result.photons = CUT_SHORT;
         }
@@ -133,9 +133,9 @@ fn sum_power<S: Selection>(selection: &S, left_out: u32, arrivals: &Input<Arriva
 }
 
 /// Irradiance of a power that arrives on the disc of squared radius `radius2`, W·m⁻². Photons that all lie in the query's own
-/// point span no disc: the largest disc gives a finite lower bound.
+/// point span no disc: the largest disc, of squared radius `largest`, gives a finite lower bound.
 #[inline]
-pub(super) fn over_disc(power: [f32; 3], radius2: f32, grid: &Grid) -> [f32; 3] {
-    let area = PI * if radius2 == 0.0 { grid.radius2 } else { radius2 };
+pub(crate) fn over_disc(power: [f32; 3], radius2: f32, largest: f32) -> [f32; 3] {
+    let area = PI * if radius2 == 0.0 { largest } else { radius2 };
     [div(power[0], area), div(power[1], area), div(power[2], area)]
 }

@@ -15,10 +15,12 @@ mod search;
 
 pub use counting::{COLUMN_LANES, Columns, gather_irradiance_by_counting};
 pub use density::gather_density;
+pub(crate) use estimate::over_disc;
 pub use estimate::{gather_irradiance, gather_neighbours};
 pub use heap::Heap;
 pub use list::SortedList;
 pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
+pub(crate) use power::Power;
 pub use search::{distance2, root_above, search};
 
 use crate::exec::Input;

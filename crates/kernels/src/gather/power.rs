@@ -1,12 +1,12 @@
 //! Power of photons, added up so that their order does not show.
 
 use crate::exec::Input;
-use crate::layout::Arrival;
+use crate::layout::{Arrival, Photon};
 use crate::num::Limbs;
 
 /// Sums of the three channels, in limbs.
 #[derive(Clone, Copy)]
-pub(super) struct Power {
+pub(crate) struct Power {
     high: [u32; 3],
     middle: [u32; 3],
     low: [u32; 3],
@@ -14,7 +14,7 @@ pub(super) struct Power {
 
 impl Power {
     #[inline]
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { high: [0; 3], middle: [0; 3], low: [0; 3] }
     }
 
@@ -25,6 +25,17 @@ impl Power {
         self.high = sums(self.high, high);
         self.middle = sums(self.middle, middle);
         self.low = sums(self.low, low);
+    }
+
+    /// Adds the power of a photon that is not in limbs yet; `power` as in [`Power::value`].
+    #[inline]
+    pub(crate) fn add_photon(&mut self, photon: &Photon, power: &Input<u32>) {
+        let red = Limbs::of(photon.power[0], f32::from_bits(power[0])).0;
+        let green = Limbs::of(photon.power[1], f32::from_bits(power[1])).0;
+        let blue = Limbs::of(photon.power[2], f32::from_bits(power[2])).0;
+        self.high = sums(self.high, [red[0], green[0], blue[0]]);
+        self.middle = sums(self.middle, [red[1], green[1], blue[1]]);
+        self.low = sums(self.low, [red[2], green[2], blue[2]]);
     }
 
     /// Makes room for half as many more; returns what leaves the highest limb of each channel.
@@ -47,7 +58,7 @@ impl Power {
 
     /// The sums, W. `power` are the largest powers of the map, to which limbs are aligned, as bits.
     #[inline]
-    pub(super) fn value(&self, power: &Input<u32>) -> [f32; 3] {
+    pub(crate) fn value(&self, power: &Input<u32>) -> [f32; 3] {
         [
             self.channel(0).value(f32::from_bits(power[0])),
             self.channel(1).value(f32::from_bits(power[1])),

@@ -8,6 +8,7 @@ use crate::exec::{Input, Store};
 use crate::gather::GatherParams;
 use crate::grid::{Grid, Row};
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
+use crate::rivals::SearchParams;
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
     BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
@@ -89,6 +90,10 @@ layouts! {
         grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack, rows },
         rows: Row { y, z, least2 },
         gather: GatherParams { queries, k, guess }
+    );
+    /// Records of other techniques.
+    layout_rivals(
+        search: SearchParams { queries, k, photons, radius2 }
     );
     /// Records of sorting, and of emission.
     layout_sort(

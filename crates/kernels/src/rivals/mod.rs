@@ -1,0 +1,23 @@
+//! Other ways to find photons, those that the thesis compares with its own (sections 2.2, 2.3 and 4.3).
+//!
+//! They return what a photon map returns: the k nearest within a radius, ordered by (squared distance, index of the photon).
+
+mod estimate;
+
+pub use estimate::estimate_of_neighbours;
+
+use bytemuck::{Pod, Zeroable};
+
+/// Parameters of a search among photons.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct SearchParams {
+    /// Number of queries.
+    pub queries: u32,
+    /// Neighbours sought a query, k.
+    pub k: u32,
+    /// Number of photons.
+    pub photons: u32,
+    /// Largest squared distance of a neighbour, m².
+    pub radius2: f32,
+}

@@ -1,0 +1,56 @@
+//! The techniques by name.
+
+use crate::hash::HashIndex;
+use crate::{PhotonIndex, Photons};
+use caustic_device::Device;
+use caustic_photon_map::{Gather, Hash, MapError, MapOptions};
+
+/// A way to find photons.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Technique {
+    /// Spatial hashing (chapter 3).
+    Hash {
+        /// The hash function.
+        hash: Hash,
+        /// Entries of its table, a power of two; chosen from the number of photons if not given. The linear hash has none.
+        table: Option<u32>,
+        /// How the nearest are selected.
+        gather: Gather,
+    },
+}
+
+impl Technique {
+    /// Each technique once, with every variant that searches in its own way.
+    pub const ALL: &[Self] = &[
+        Self::Hash { hash: Hash::Linear, table: None, gather: Gather::List },
+        Self::Hash { hash: Hash::Linear, table: None, gather: Gather::Heap },
+        Self::Hash { hash: Hash::Linear, table: None, gather: Gather::Histogram },
+        Self::Hash { hash: Hash::Teschner, table: None, gather: Gather::List },
+        Self::Hash { hash: Hash::Teschner, table: None, gather: Gather::Heap },
+        Self::Hash { hash: Hash::Teschner, table: None, gather: Gather::Histogram },
+        Self::Hash { hash: Hash::Morton, table: None, gather: Gather::List },
+        Self::Hash { hash: Hash::Morton, table: None, gather: Gather::Heap },
+        Self::Hash { hash: Hash::Morton, table: None, gather: Gather::Histogram },
+    ];
+
+    /// Builds an index over photons for searches within `radius` (m).
+    ///
+    /// # Errors
+    /// All of [`MapError`] but those of queries.
+    pub fn build(self, device: &Device, photons: &Photons, radius: f32) -> Result<Box<dyn PhotonIndex>, MapError> {
+        match self {
+            Self::Hash { hash, table, gather } => {
+                let options = MapOptions { radius, hash, table, cell: None };
+                Ok(Box::new(HashIndex::build(device, photons, &options, gather)?))
+            }
+        }
+    }
+
+    /// Whether a device can run it: some are of the CPU alone.
+    #[must_use]
+    pub fn runs_on(self, _device: &Device) -> bool {
+        match self {
+            Self::Hash { .. } => true,
+        }
+    }
+}
