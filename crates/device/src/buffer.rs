@@ -112,6 +112,11 @@ impl Ledger {
         self.entries().rows.clone()
     }
 
+    pub(crate) fn reset_peak(&self) {
+        let mut entries = self.entries();
+        entries.peak = entries.bytes;
+    }
+
     pub(crate) fn total(&self) -> (u64, u64) {
         let entries = self.entries();
         (entries.bytes, entries.peak)

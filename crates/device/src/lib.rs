@@ -258,6 +258,11 @@ impl Device {
         self.ledger.report()
     }
 
+    /// Forgets the most bytes so far: [`Device::total_bytes`] has the most from here on.
+    pub fn reset_peak_bytes(&self) {
+        self.ledger.reset_peak();
+    }
+
     /// Bytes of all buffers together, now and at the most.
     #[must_use]
     pub fn total_bytes(&self) -> (u64, u64) {

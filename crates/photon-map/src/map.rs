@@ -5,7 +5,7 @@ use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, GatherParams};
-use caustic_kernels::grid::{GRID_BLOCK, Grid, HASH_LINEAR};
+use caustic_kernels::grid::{GRID_BLOCK, Grid, HASH_LINEAR, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 
 /// A photon map on a device.
@@ -34,10 +34,26 @@ impl PhotonMap {
     /// # Errors
     /// [`MapError::Device`].
     pub fn plan(device: &Device, plan: &mut Plan, unsorted: &Buffer, grid: Grid) -> Result<Self, MapError> {
+        Self::plan_with_rows(device, plan, unsorted, grid, &rows(&grid))
+    }
+
+    /// [`PhotonMap::plan`] with rows of cells of the caller's, for the measurement of others than [`rows`]. A search ends at the first
+    /// row whose least distance is beyond its bound, so all rows after it have to be as far.
+    ///
+    /// # Errors
+    /// [`MapError::Device`].
+    pub fn plan_with_rows(
+        device: &Device,
+        plan: &mut Plan,
+        unsorted: &Buffer,
+        mut grid: Grid,
+        rows: &[Row],
+    ) -> Result<Self, MapError> {
+        grid.rows = rows.len() as u32;
         let count = grid.photons;
         let blocks = count.div_ceil(GRID_BLOCK);
         let grid_buffer = device.upload("map: grid", &[grid])?;
-        let rows = device.upload("map: rows", &rows(&grid))?;
+        let rows = device.upload("map: rows", rows)?;
         let keys = device.buffer::<u32>("sort: keys", u64::from(count))?;
         let powers = device.buffer::<u32>("map: powers", 3 * u64::from(blocks))?;
         plan.groups(Kernel::HashPhotons, blocks, &[&grid_buffer, unsorted, &keys, &powers]);

@@ -6,6 +6,7 @@ pub mod scene;
 mod crowd;
 mod error;
 mod pace;
+mod passes;
 mod photons;
 mod render;
 mod report;
@@ -13,6 +14,7 @@ mod settings;
 mod verify;
 
 pub use error::RenderError;
+pub use passes::{View, trace_photons};
 pub use render::{Rendered, render};
 pub use report::{MapReport, Progress, RenderReport};
 pub use settings::{MAX_PIXELS, Settings, Show};

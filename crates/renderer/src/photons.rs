@@ -3,11 +3,11 @@
 use crate::pace::Pace;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
-use crate::{RenderError, Settings};
+use crate::{RenderError, Settings, Show};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass};
+use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL};
 use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
@@ -60,6 +60,35 @@ pub(crate) struct PassKind {
     pub(crate) wanted: bool,
 }
 
+impl PassKind {
+    /// Direct light comes from shadow rays, so the global map of a picture holds only what was reflected before; shown by
+    /// itself, it holds all.
+    pub(crate) fn global(emitted: u32, show: Show) -> Self {
+        Self {
+            map: "global",
+            phase: "global photons",
+            flag: "photons",
+            emitted,
+            rays: RAY_GLOBAL,
+            stored_from: u32::from(show != Show::MapGlobal),
+            wanted: show != Show::Beauty,
+        }
+    }
+
+    /// Light that comes to a diffuse surface through mirrors and glass alone.
+    pub(crate) fn caustic(emitted: u32, show: Show) -> Self {
+        Self {
+            map: "caustic",
+            phase: "caustic photons",
+            flag: "caustic-photons",
+            emitted,
+            rays: RAY_CAUSTIC,
+            stored_from: 0,
+            wanted: show != Show::Beauty,
+        }
+    }
+}
+
 /// Traces the photons of a pass and builds their map. There is no map if nothing was stored.
 pub(crate) fn photon_map(
     device: &Device,
@@ -69,6 +98,32 @@ pub(crate) fn photon_map(
     kind: &PassKind,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<PhotonMap>, MapReport), RenderError> {
+    let (photons, mut report) = trace(device, buffers, settings.seed, kind, progress)?;
+    let Some(unsorted) = photons else { return Ok((None, report)) };
+    let stored = u64::from(report.photons_stored);
+    let (low, high) = scene.diffuse_bounds;
+    // Paths are independent, so the first photons are as good a sample as any.
+    let first: Vec<Photon> = device.read(&unsorted, stored.min(SAMPLE))?;
+    let positions: Vec<[f32; 3]> = first.iter().map(|photon| photon.position).collect();
+    let options = MapOptions { radius: settings.radius, hash: settings.hash, table: None, cell: None };
+    let grid = plan_grid(low, high, stored, &positions, &options)?;
+    let mut plan = Plan::new();
+    plan.scope(kind.map);
+    let map = PhotonMap::plan(device, &mut plan, &unsorted, grid)?;
+    device.run(&plan)?;
+    report.table_entries = grid.table;
+    report.bytes = map.bytes();
+    Ok((Some(map), report))
+}
+
+/// Traces the photons of a pass, in the order of their paths. There is no buffer if nothing was stored.
+pub(crate) fn trace(
+    device: &Device,
+    buffers: &SceneBuffers,
+    seed: u32,
+    kind: &PassKind,
+    progress: &mut dyn FnMut(Progress) -> bool,
+) -> Result<(Option<Buffer>, MapReport), RenderError> {
     let mut report = MapReport {
         map: kind.map,
         photons_emitted: kind.emitted,
@@ -99,7 +154,7 @@ pub(crate) fn photon_map(
         tick(first, 0)?;
         let PassKind { rays, stored_from, .. } = *kind;
         let paths = pace.size().min(emitted - first);
-        let pass = PhotonPass { emitted, first, paths, rays, seed: settings.seed, stored_from };
+        let pass = PhotonPass { emitted, first, paths, rays, seed, stored_from };
         chunks.push(pass);
         first += paths;
         let params = device.upload("photon pass", &[pass])?;
@@ -148,7 +203,6 @@ pub(crate) fn photon_map(
     }
     report.photons_stored = stored as u32;
 
-    let (low, high) = scene.diffuse_bounds;
     let unsorted = device.buffer::<Photon>("photons", stored)?;
     for pass in &chunks {
         tick(pass.first, 1)?;
@@ -174,17 +228,6 @@ pub(crate) fn photon_map(
         );
         device.run(&plan)?;
     }
-    // Paths are independent, so the first photons are as good a sample as any.
-    let first: Vec<Photon> = device.read(&unsorted, stored.min(SAMPLE))?;
-    let positions: Vec<[f32; 3]> = first.iter().map(|photon| photon.position).collect();
-    let options = MapOptions { radius: settings.radius, hash: settings.hash, table: None, cell: None };
-    let grid = plan_grid(low, high, stored, &positions, &options)?;
-    let mut plan = Plan::new();
-    plan.scope(kind.map);
-    let map = PhotonMap::plan(device, &mut plan, &unsorted, grid)?;
-    device.run(&plan)?;
     tick(emitted, 1)?;
-    report.table_entries = grid.table;
-    report.bytes = map.bytes();
-    Ok((Some(map), report))
+    Ok((Some(unsorted), report))
 }

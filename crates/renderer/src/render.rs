@@ -5,12 +5,10 @@ use crate::pace::Pace;
 use crate::photons::{PassKind, SceneBuffers, photon_map};
 use crate::report::{MapReport, Progress, RenderReport};
 use crate::scene::{CompiledScene, Scene};
-use crate::{RenderError, Settings, Show};
+use crate::{RenderError, Settings};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::{Irradiance, Query};
-use caustic_kernels::trace::{
-    CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, RAY_CAUSTIC, RAY_GLOBAL, Vertex,
-};
+use caustic_kernels::trace::{CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, Vertex};
 use caustic_photon_map::PhotonMap;
 use std::time::Instant;
 
@@ -99,32 +97,15 @@ fn mean(image: &Image) -> [f64; 3] {
     sum.map(|sum| sum / image.rgb.len() as f64)
 }
 
-/// Direct light comes from shadow rays, so the global map of a picture holds only what was reflected before; shown by
-/// itself, it holds all.
 fn global_pass(settings: &Settings) -> Option<PassKind> {
-    let whole = settings.show == Show::MapGlobal;
-    (settings.show.parts() & PART_GLOBAL != 0).then_some(PassKind {
-        map: "global",
-        phase: "global photons",
-        flag: "photons",
-        emitted: settings.photons,
-        rays: RAY_GLOBAL,
-        stored_from: u32::from(!whole),
-        wanted: settings.show != Show::Beauty,
-    })
+    let wanted = settings.show.parts() & PART_GLOBAL != 0;
+    wanted.then(|| PassKind::global(settings.photons, settings.show))
 }
 
 fn caustic_pass(settings: &Settings, scene: &CompiledScene) -> Option<PassKind> {
     let wanted = settings.show.parts() & PART_CAUSTIC != 0;
-    (wanted && scene.has_specular && settings.caustic_photons > 0).then_some(PassKind {
-        map: "caustic",
-        phase: "caustic photons",
-        flag: "caustic-photons",
-        emitted: settings.caustic_photons,
-        rays: RAY_CAUSTIC,
-        stored_from: 0,
-        wanted: settings.show != Show::Beauty,
-    })
+    let possible = wanted && scene.has_specular && settings.caustic_photons > 0;
+    possible.then(|| PassKind::caustic(settings.caustic_photons, settings.show))
 }
 
 fn build(

@@ -5,14 +5,15 @@
 //! use caustic_device::Device;
 //! use caustic_kernels::layout::{Photon, Query};
 //! use caustic_photon_map::{Gather, Hash};
-//! use caustic_rivals::{Photons, Technique};
+//! use caustic_rivals::{Cells, Photons, Technique};
 //!
 //! let photons: Vec<_> = (0..1000)
 //!     .map(|i| Photon { position: [i as f32 * 0.001, 0.0, 0.0], power: [1e-3; 3], ..Photon::default() })
 //!     .collect();
 //! let device = Device::cpu();
 //! let photons = Photons::upload(&device, &photons)?;
-//! let technique = Technique::Hash { hash: Hash::Teschner, table: Some(1 << 10), gather: Gather::List };
+//! let (hash, table, cells, gather) = (Hash::Teschner, Some(1 << 10), Cells::Radius, Gather::List);
+//! let technique = Technique::Hash { hash, table, cells, gather };
 //! let index = technique.build(&device, &photons, 0.1)?;
 //! let queries = [Query { position: [0.5, 0.0, 0.0], active: 1 }];
 //! let nearest = caustic_rivals::k_nearest(&device, index.as_ref(), &queries, 3)?;
@@ -25,6 +26,7 @@ mod photons;
 mod search;
 mod technique;
 
+pub use hash::Cells;
 pub use photons::Photons;
 pub use search::{irradiance, k_nearest};
 pub use technique::Technique;

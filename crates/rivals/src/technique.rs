@@ -1,9 +1,9 @@
 //! The techniques by name.
 
 use crate::hash::HashIndex;
-use crate::{PhotonIndex, Photons};
+use crate::{Cells, PhotonIndex, Photons};
 use caustic_device::Device;
-use caustic_photon_map::{Gather, Hash, MapError, MapOptions};
+use caustic_photon_map::{Gather, Hash, MapError};
 
 /// A way to find photons.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub enum Technique {
         hash: Hash,
         /// Entries of its table, a power of two; chosen from the number of photons if not given. The linear hash has none.
         table: Option<u32>,
+        /// Its cells.
+        cells: Cells,
         /// How the nearest are selected.
         gather: Gather,
     },
@@ -22,16 +24,24 @@ pub enum Technique {
 impl Technique {
     /// Each technique once, with every variant that searches in its own way.
     pub const ALL: &[Self] = &[
-        Self::Hash { hash: Hash::Linear, table: None, gather: Gather::List },
-        Self::Hash { hash: Hash::Linear, table: None, gather: Gather::Heap },
-        Self::Hash { hash: Hash::Linear, table: None, gather: Gather::Histogram },
-        Self::Hash { hash: Hash::Teschner, table: None, gather: Gather::List },
-        Self::Hash { hash: Hash::Teschner, table: None, gather: Gather::Heap },
-        Self::Hash { hash: Hash::Teschner, table: None, gather: Gather::Histogram },
-        Self::Hash { hash: Hash::Morton, table: None, gather: Gather::List },
-        Self::Hash { hash: Hash::Morton, table: None, gather: Gather::Heap },
-        Self::Hash { hash: Hash::Morton, table: None, gather: Gather::Histogram },
+        Self::hash(Hash::Linear, Cells::Crowding, Gather::Histogram),
+        Self::hash(Hash::Linear, Cells::Crowding, Gather::Heap),
+        Self::hash(Hash::Linear, Cells::Radius, Gather::List),
+        Self::hash(Hash::Linear, Cells::CentreFirst, Gather::List),
+        Self::hash(Hash::Linear, Cells::InOrder, Gather::List),
+        Self::hash(Hash::Teschner, Cells::Crowding, Gather::Histogram),
+        Self::hash(Hash::Teschner, Cells::Radius, Gather::Heap),
+        Self::hash(Hash::Teschner, Cells::InOrder, Gather::List),
+        Self::hash(Hash::Morton, Cells::Crowding, Gather::Histogram),
+        Self::hash(Hash::Morton, Cells::Radius, Gather::Heap),
+        Self::hash(Hash::Morton, Cells::CentreFirst, Gather::List),
     ];
+
+    /// Spatial hashing with a table of the size that caustic chooses.
+    #[must_use]
+    pub const fn hash(hash: Hash, cells: Cells, gather: Gather) -> Self {
+        Self::Hash { hash, table: None, cells, gather }
+    }
 
     /// Builds an index over photons for searches within `radius` (m).
     ///
@@ -39,9 +49,8 @@ impl Technique {
     /// All of [`MapError`] but those of queries.
     pub fn build(self, device: &Device, photons: &Photons, radius: f32) -> Result<Box<dyn PhotonIndex>, MapError> {
         match self {
-            Self::Hash { hash, table, gather } => {
-                let options = MapOptions { radius, hash, table, cell: None };
-                Ok(Box::new(HashIndex::build(device, photons, &options, gather)?))
+            Self::Hash { hash, table, cells, gather } => {
+                Ok(Box::new(HashIndex::build(device, photons, radius, hash, table, cells, gather)?))
             }
         }
     }
