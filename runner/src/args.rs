@@ -1,8 +1,10 @@
 //! The command line.
 
 mod bench;
+mod experiments;
 
 pub use bench::BenchArguments;
+pub use experiments::ExperimentsArguments;
 
 use caustic_device::{DeviceChoice, Precision};
 use caustic_photon_map::{Gather, Hash, RADII};
@@ -24,7 +26,8 @@ use std::path::PathBuf;
         caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
         caustic verify --device gpu\n  \
         caustic bench --quick\n  \
-        caustic bench --filter gather --json rows.json --svg plots\n\n\
+        caustic bench --filter gather --json rows.json --svg plots\n  \
+        caustic experiments --quick --only fig16,table3\n\n\
         Exit codes: 0 done, 1 the device or disk failed, 2 the input was wrong, 130 interrupted."
 )]
 pub struct Arguments {
@@ -42,6 +45,8 @@ pub enum Command {
     Verify(VerifyArguments),
     /// Measures sorts, photon maps, gathers, tracing and frames over many sizes, and checks every result.
     Bench(Box<BenchArguments>),
+    /// Measures the experiments of the thesis again, and reports which of its claims hold.
+    Experiments(ExperimentsArguments),
     /// Lists the devices: limits, subgroup sizes, and whether they can run the exact kernels.
     Info {
         /// Prints JSON instead of a table.

@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod experiments;
 mod info;
 mod map;
 mod progress;
@@ -52,6 +53,12 @@ impl Failure {
         Self { code: 130, message: format!("interrupted; {rows} rows were finished and written") }
     }
 
+    /// The user stopped experiments: exit code 130.
+    pub fn interrupted_experiments(cases: usize) -> Self {
+        let message = format!("interrupted; {cases} cases were finished, and the same command goes on from there");
+        Self { code: 130, message }
+    }
+
     /// The user stopped the program and what there was is in the file: exit code 130.
     pub fn interrupted(output: &std::path::Path) -> Self {
         let message = format!("interrupted; {} holds the rows that were finished, the rest is black", output.display());
@@ -78,6 +85,7 @@ fn main() -> ExitCode {
         Command::Map(arguments) => map::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
+        Command::Experiments(arguments) => experiments::run(&arguments),
         Command::Info { json } => info::devices(json),
         Command::Scene { command: SceneCommand::List { json } } => info::scenes(json),
     };

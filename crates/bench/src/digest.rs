@@ -5,7 +5,7 @@ use sha2::{Digest as _, Sha256};
 
 /// A SHA-256 that is fed piece by piece.
 #[derive(Default)]
-pub(crate) struct Digest(Sha256);
+pub struct Digest(Sha256);
 
 impl Digest {
     /// Takes in records: their words, least byte first.

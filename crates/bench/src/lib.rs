@@ -5,6 +5,7 @@
 //! and [`record`] write rows down.
 
 pub mod case;
+pub mod measure;
 pub mod points;
 pub mod record;
 pub mod report;
@@ -16,7 +17,9 @@ mod exact;
 mod files;
 mod fit;
 mod machine;
-mod measure;
 mod peers;
 mod roofline;
 mod work;
+
+pub use digest::Digest;
+pub use work::Trouble;

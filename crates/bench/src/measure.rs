@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 /// How often to run.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Policy {
+pub struct Policy {
     /// Runs that are measured if they are fast enough.
     pub repeat: usize,
     /// Runs before them, which warm caches, clocks and pipelines up.
@@ -53,7 +53,7 @@ impl Spread {
 
 /// Runs `run`, which returns what it measured, as often as the policy says; `goes_on` is asked between runs. What is returned is
 /// empty only if it was told to stop before the first run ended.
-pub(crate) fn repeat<T, E>(
+pub fn repeat<T, E>(
     policy: Policy,
     goes_on: &mut dyn FnMut() -> bool,
     mut run: impl FnMut() -> Result<T, E>,

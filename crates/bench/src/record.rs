@@ -3,6 +3,7 @@
 mod date;
 mod table;
 
+pub use date::now;
 pub use table::{BEGIN, END, into_text, replace_in, table};
 
 use crate::files;

@@ -2,8 +2,8 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Now, UTC: `2026-11-22T23:59:59Z`.
-pub(super) fn now() -> String {
+/// The date and time now, UTC: `2026-11-22T23:59:59Z`.
+pub fn now() -> String {
     at(SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |time| time.as_secs()))
 }
 

@@ -8,7 +8,7 @@ mod trace;
 mod traffic;
 mod trouble;
 
-pub(crate) use trouble::Trouble;
+pub use trouble::Trouble;
 
 use crate::case::{Case, Kind};
 use crate::machine::available_bytes;

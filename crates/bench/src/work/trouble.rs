@@ -6,7 +6,7 @@ use caustic_renderer::RenderError;
 
 /// Why a case does not run.
 #[derive(Debug)]
-pub(crate) enum Trouble {
+pub enum Trouble {
     /// The device or the machine is too small for it.
     Skip(String),
     /// The user stopped it.

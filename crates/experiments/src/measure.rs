@@ -1,0 +1,134 @@
+//! Measuring a case.
+
+use crate::case::{Case, What};
+use crate::picture;
+use crate::stage::Stage;
+use crate::store::Outcome;
+use crate::subject::Subject;
+use caustic_bench::measure::{Policy, Spread, repeat};
+use caustic_bench::{Digest, Trouble};
+use caustic_device::{Buffer, Device};
+use caustic_kernels::layout::{Neighbour, Query};
+use caustic_photon_map::whole;
+use caustic_rivals::PhotonIndex;
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Bytes of neighbours that a search returns at once: more queries are searched in parts.
+const MOST_FOUND: u64 = 1 << 29;
+
+/// What came of a case, with the SHA-256 of what was found.
+pub(crate) type Measured = (Outcome, Option<String>);
+
+/// Measures a case. `folder` is where pictures go.
+pub(crate) fn measure(
+    stage: &mut Stage,
+    subject: &Subject,
+    case: &Case,
+    folder: &Path,
+    quick: bool,
+) -> Result<Measured, Trouble> {
+    let measured = match case.what {
+        What::Speed => speed(stage, subject, case, quick),
+        What::Access => Err(Trouble::Skip("not recorded".to_string())),
+        What::Picture => picture::measure(stage, subject, case, folder),
+        What::Radius => Err(Trouble::Skip("not measured".to_string())),
+    };
+    match measured {
+        Err(Trouble::Skip(reason)) => Ok((Outcome::Skipped(reason), None)),
+        other => other,
+    }
+}
+
+/// Times and bytes. Construction is by the wall clock, from photons on the device to an index that can be searched; of both there is also
+/// what the stages took, which is what a GPU worked.
+fn speed(stage: &mut Stage, subject: &Subject, case: &Case, quick: bool) -> Result<Measured, Trouble> {
+    let budget = Duration::from_secs_f64(if quick { 0.05 } else { 0.7 });
+    let policy = Policy { repeat: if quick { 3 } else { 7 }, warm_up: 1, budget, least: 1 };
+    let queries = stage.look(case.size)?.to_vec();
+    stage.photons(case.map, case.photons, subject.on_cpu)?;
+    let device = stage.device_of(subject.on_cpu);
+    let photons = stage.uploaded();
+    let (before, _) = device.total_bytes();
+    let mut index: Option<Box<dyn PhotonIndex>> = None;
+    let mut values = BTreeMap::new();
+    let builds = repeat(policy, &mut || true, || {
+        index = None;
+        device.reset_stage_times();
+        device.reset_peak_bytes();
+        let start = Instant::now();
+        index = Some(subject.technique.build(device, photons, case.radius())?);
+        let wall = milliseconds(start);
+        let (now, peak) = device.total_bytes();
+        values.insert("memory_bytes".to_string(), (now - before) as f64);
+        values.insert("peak_bytes".to_string(), (peak - before) as f64);
+        Ok::<_, Trouble>((wall, stages(device)))
+    })?;
+    times(&mut values, "build", &builds);
+    let Some(index) = index else { return Err(Trouble::Interrupted) };
+
+    let parts = parts(device, &queries, case.k)?;
+    let search = |k| search(device, index.as_ref(), &parts, k);
+    let searches = repeat(policy, &mut || true, || {
+        device.reset_stage_times();
+        device.reset_peak_bytes();
+        let start = Instant::now();
+        search(case.k)?;
+        let wall = milliseconds(start);
+        values.insert("search_peak_bytes".to_string(), (device.total_bytes().1 - before) as f64);
+        Ok::<_, Trouble>((wall, stages(device)))
+    })?;
+    times(&mut values, "search", &searches);
+    for stage in device.stage_times() {
+        values.insert(format!("search/{}_ms", stage.stage), stage.ms);
+    }
+    let found = digest(device, index.as_ref(), &parts, case.k)?;
+    Ok((Outcome::Values(values), Some(found)))
+}
+
+fn times(values: &mut BTreeMap<String, f64>, of: &str, runs: &[(f64, f64)]) {
+    let median = |part: fn(&(f64, f64)) -> f64| Spread::of(&runs.iter().map(part).collect::<Vec<_>>()).median;
+    values.insert(format!("{of}_ms"), median(|run| run.0));
+    values.insert(format!("{of}_stages_ms"), median(|run| run.1));
+    values.insert(format!("{of}_runs"), runs.len() as f64);
+}
+
+fn milliseconds(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// What all stages took since they were reset.
+fn stages(device: &Device) -> f64 {
+    device.stage_times().iter().map(|stage| stage.ms).sum()
+}
+
+/// Queries in parts whose neighbours fit a buffer.
+fn parts(device: &Device, queries: &[Query], k: u32) -> Result<Vec<(Buffer, u32)>, Trouble> {
+    let most = (MOST_FOUND / (u64::from(k) * size_of::<Neighbour>() as u64)) as usize;
+    let part = |part: &[Query]| Ok((device.upload("queries", part)?, part.len() as u32));
+    queries.chunks(most.max(1)).map(part).collect()
+}
+
+fn search(device: &Device, index: &dyn PhotonIndex, parts: &[(Buffer, u32)], k: u32) -> Result<(), Trouble> {
+    for (queries, count) in parts {
+        index.search(device, queries, *count, k)?;
+    }
+    Ok(())
+}
+
+/// Hash of all neighbours: the same for every technique.
+fn digest(device: &Device, index: &dyn PhotonIndex, parts: &[(Buffer, u32)], k: u32) -> Result<String, Trouble> {
+    let mut digest = Digest::default();
+    for (queries, count) in parts {
+        let found = index.search(device, queries, *count, k)?;
+        let counts: Vec<u32> = device.read(&found.counts, u64::from(*count))?;
+        whole(device, counts.iter().copied())?;
+        let neighbours: Vec<Neighbour> = device.read(&found.neighbours, u64::from(*count) * u64::from(k))?;
+        digest.add(&counts);
+        for (row, count) in neighbours.chunks(k as usize).zip(counts) {
+            digest.add(&row[..count as usize]);
+        }
+    }
+    Ok(digest.hex())
+}

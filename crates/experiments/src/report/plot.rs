@@ -1,0 +1,149 @@
+//! Plots as SVG.
+
+use crate::figure::{Axis, Chart};
+use plotters::prelude::*;
+
+/// Size, pixels.
+const SIZE: (u32, u32) = (820, 500);
+/// Colours that differ for every kind of eyes (Okabe and Ito, "Color Universal Design", 2008); subjects beyond them have other shades.
+const COLOURS: [RGBColor; 10] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(60, 60, 60),
+    RGBColor(140, 86, 75),
+    RGBColor(150, 150, 150),
+    RGBColor(120, 94, 240),
+];
+
+/// A chart as SVG.
+///
+/// # Errors
+/// What the plotting library says.
+pub fn svg(chart: &Chart) -> Result<String, String> {
+    let mut text = String::new();
+    draw(chart, &mut text).map_err(|error| format!("{}: {error}", chart.name))?;
+    Ok(text)
+}
+
+fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Error>> {
+    let points = || chart.lines.iter().flat_map(|line| line.points.iter());
+    let range = |of: fn(&(f64, f64)) -> f64| {
+        let positive = points().map(of).filter(|&x| x > 0.0);
+        let (low, high) = positive.fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+        // Room around a line, also of a single point; some range where there is none.
+        if high > 0.0 { low / 1.3..high * 1.3 } else { 1.0..10.0 }
+    };
+    let (horizontal, vertical) = (range(|point| point.0), range(|point| point.1));
+    let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
+    root.fill(&WHITE)?;
+    let mut context = ChartBuilder::on(&root)
+        .caption(&chart.title, ("sans-serif", 17))
+        .margin(12)
+        .x_label_area_size(42)
+        .y_label_area_size(74)
+        .build_cartesian_2d(horizontal.log_scale(), vertical.clone().log_scale())?;
+    context
+        .configure_mesh()
+        .x_desc(description(chart.axes[0]))
+        .y_desc(description(chart.axes[1]))
+        .x_label_formatter(&|&x| number(chart.axes[0], x))
+        .y_label_formatter(&|&y| number(chart.axes[1], y))
+        .label_style(("sans-serif", 13))
+        .light_line_style(BLACK.mix(0.05))
+        .draw()?;
+    if let Some(to) = chart.thesis_to {
+        let line = [(to, vertical.start), (to, vertical.end)];
+        context
+            .draw_series(DashedLineSeries::new(line, 5, 4, BLACK.mix(0.6).stroke_width(1)))?
+            .label("the thesis's range ends here")
+            .legend(|(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], BLACK.mix(0.6)));
+    }
+    for line in &chart.lines {
+        let colour = COLOURS[line.subject % COLOURS.len()];
+        // Those beyond the colours are thinner.
+        let width = if line.subject < COLOURS.len() { 2 } else { 1 };
+        context
+            .draw_series(LineSeries::new(line.points.iter().copied(), colour.stroke_width(width)))?
+            .label(&line.label)
+            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(width)));
+        context.draw_series(line.points.iter().map(|&point| Circle::new(point, 3, colour.filled())))?;
+    }
+    context
+        .configure_series_labels()
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.3))
+        .label_font(("sans-serif", 13))
+        .draw()?;
+    root.present()?;
+    Ok(())
+}
+
+fn description(axis: Axis) -> &'static str {
+    match axis {
+        Axis::Photons => "photons",
+        Axis::K => "k, neighbours a query",
+        Axis::Radius => "query radius, mm",
+        Axis::Queries => "queries",
+        Axis::Time => "time, ms",
+        Axis::Bytes => "bytes",
+        Axis::Sectors => "32-byte sectors beyond the fewest",
+        Axis::Accesses => "loads and stores",
+    }
+}
+
+/// A number on an axis, short.
+fn number(axis: Axis, x: f64) -> String {
+    let short = |x: f64, unit: &str| {
+        let text = if x >= 10.0 || x.fract() == 0.0 { format!("{x:.0}") } else { format!("{x}") };
+        format!("{text}{unit}")
+    };
+    match axis {
+        Axis::Bytes if x >= 1e9 => short(x / 1e9, " GB"),
+        Axis::Bytes if x >= 1e6 => short(x / 1e6, " MB"),
+        Axis::Bytes if x >= 1e3 => short(x / 1e3, " kB"),
+        Axis::Time | Axis::Radius | Axis::K => short(x, ""),
+        _ if x >= 1e9 => short(x / 1e9, " G"),
+        _ if x >= 1e6 => short(x / 1e6, " M"),
+        _ if x >= 1e3 => short(x / 1e3, " k"),
+        _ => short(x, ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::figure::Line;
+
+    fn chart(lines: Vec<Line>) -> Chart {
+        let axes = [Axis::Photons, Axis::Time];
+        Chart { name: "a".to_string(), title: "A title".to_string(), axes, thesis_to: Some(5e5), lines }
+    }
+
+    #[test]
+    fn a_plot_names_axes_lines_and_the_end_of_the_thesis() {
+        let line = Line { subject: 1, label: "some".to_string(), points: vec![(1e4, 0.5), (1e6, 40.0)] };
+        let text = svg(&chart(vec![line])).unwrap();
+        for part in ["<svg", "A title", "photons", "time, ms", "some", "range ends here", "100 k", "</svg>"] {
+            assert!(text.contains(part), "no {part} in {text}");
+        }
+    }
+
+    #[test]
+    fn a_plot_of_nothing_is_no_error() {
+        assert!(svg(&chart(vec![])).unwrap().contains("</svg>"));
+        let line = Line { subject: 0, label: "zero".to_string(), points: vec![(1.0, 0.0)] };
+        assert!(svg(&chart(vec![line])).is_ok());
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(number(Axis::Bytes, 3e6), "3 MB");
+        assert_eq!(number(Axis::Photons, 5e5), "500 k");
+        assert_eq!(number(Axis::Time, 0.5), "0.5");
+    }
+}

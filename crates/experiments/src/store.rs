@@ -1,0 +1,247 @@
+//! Results as a file that grows by a line a case, so that whoever is interrupted goes on from there.
+
+use crate::case::Case;
+use caustic_bench::row::Machine;
+use serde::{Deserialize, Serialize};
+use std::collections::{BTreeMap, HashMap};
+use std::fs::{self, File, OpenOptions};
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+/// Version of the format.
+const FORMAT: u32 = 1;
+
+/// What came of a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// Numbers by name; the ending of a name is its unit.
+    Values(BTreeMap<String, f64>),
+    /// Why there are none.
+    Skipped(String),
+}
+
+/// The first line.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Version of the format.
+    pub format: u32,
+    /// Where it was measured, and with what.
+    pub machine: Machine,
+    /// Whether ranges were cut short.
+    pub quick: bool,
+    /// When it began, UTC.
+    pub date: String,
+}
+
+/// A line.
+#[derive(Serialize, Deserialize)]
+struct Line {
+    case: Case,
+    outcome: Outcome,
+    /// SHA-256 of what was found, where something was.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    found: Option<String>,
+}
+
+/// Results in a file.
+pub struct Store {
+    path: PathBuf,
+    file: Option<File>,
+    /// Where and how they were measured.
+    pub header: Header,
+    outcomes: HashMap<Case, Outcome>,
+    found: HashMap<Case, String>,
+    order: Vec<Case>,
+}
+
+impl Store {
+    /// Opens the results in `folder`, or begins them.
+    ///
+    /// # Errors
+    /// If they cannot be read or written, or are those of another machine, version or range.
+    pub fn open(folder: &Path, machine: &Machine, quick: bool) -> Result<Self, String> {
+        let header = Header { format: FORMAT, machine: machine.clone(), quick, date: caustic_bench::record::now() };
+        fs::create_dir_all(folder)
+            .map_err(|error| format!("-o {}: it cannot be a folder: {error}", folder.display()))?;
+        let path = path_in(folder);
+        let mut store = match Self::read(folder) {
+            Ok(store) => store,
+            Err(None) => Self::empty(path.clone(), header.clone()),
+            Err(Some(error)) => return Err(error),
+        };
+        let before = (&store.header.machine, store.header.quick);
+        if before != (machine, quick) {
+            let was = if store.header.quick { " with --quick" } else { "" };
+            return Err(format!(
+                "`{}` has results of {} at commit {}{was}; give another folder with -o, or delete that file",
+                path.display(),
+                store.header.machine.title(),
+                store.header.machine.commit,
+            ));
+        }
+        // What was cut off in the middle of a line is written anew.
+        store.rewrite()?;
+        let file = OpenOptions::new().append(true).open(&path).map_err(|error| unwritable(&path, &error))?;
+        store.file = Some(file);
+        Ok(store)
+    }
+
+    /// Reads the results in a folder. `None` if there are none.
+    ///
+    /// # Errors
+    /// If they are unreadable.
+    pub fn read(folder: &Path) -> Result<Self, Option<String>> {
+        let path = path_in(folder);
+        let text = fs::read_to_string(&path).map_err(|error| {
+            (error.kind() != ErrorKind::NotFound).then(|| format!("cannot read `{}`: {error}", path.display()))
+        })?;
+        let mut lines = text.lines();
+        let bad = |line: usize, error: &dyn std::fmt::Display| {
+            Some(format!("line {line} of `{}` is no result ({error}); delete the file", path.display()))
+        };
+        let header: Header = match lines.next().map(serde_json::from_str) {
+            Some(Ok(header)) => header,
+            Some(Err(error)) => return Err(bad(1, &error)),
+            None => return Err(None),
+        };
+        if header.format != FORMAT {
+            return Err(bad(1, &format!("its format is {}, and this program reads {FORMAT}", header.format)));
+        }
+        let mut store = Self::empty(path.clone(), header);
+        let whole = text.ends_with('\n');
+        let last = text.lines().count();
+        for (line, number) in lines.zip(2..) {
+            match serde_json::from_str(line) {
+                Ok(Line { case, outcome, found }) => store.insert(case, outcome, found),
+                // Interrupted while it was written.
+                Err(_) if number == last && !whole => {}
+                Err(error) => return Err(bad(number, &error)),
+            }
+        }
+        Ok(store)
+    }
+
+    fn empty(path: PathBuf, header: Header) -> Self {
+        Self { path, file: None, header, outcomes: HashMap::new(), found: HashMap::new(), order: Vec::new() }
+    }
+
+    fn insert(&mut self, case: Case, outcome: Outcome, found: Option<String>) {
+        if let Some(found) = found {
+            self.found.insert(case.clone(), found);
+        }
+        if self.outcomes.insert(case.clone(), outcome).is_none() {
+            self.order.push(case);
+        }
+    }
+
+    fn rewrite(&self) -> Result<(), String> {
+        let mut text = line_of(&self.header)?;
+        for case in &self.order {
+            let (outcome, found) = (self.outcomes[case].clone(), self.found.get(case).cloned());
+            text += &line_of(&Line { case: case.clone(), outcome, found })?;
+        }
+        caustic_bench::record::write(&self.path, &text)
+    }
+
+    /// Adds what came of a case.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn add(&mut self, case: &Case, outcome: Outcome, found: Option<String>) -> Result<(), String> {
+        let text = line_of(&Line { case: case.clone(), outcome: outcome.clone(), found: found.clone() })?;
+        if let Some(file) = &mut self.file {
+            file.write_all(text.as_bytes())
+                .and_then(|()| file.flush())
+                .map_err(|error| unwritable(&self.path, &error))?;
+        }
+        self.insert(case.clone(), outcome, found);
+        Ok(())
+    }
+
+    /// What came of a case.
+    #[must_use]
+    pub fn outcome(&self, case: &Case) -> Option<&Outcome> {
+        self.outcomes.get(case)
+    }
+
+    /// A number of a case.
+    #[must_use]
+    pub fn value(&self, case: &Case, name: &str) -> Option<f64> {
+        match self.outcome(case)? {
+            Outcome::Values(values) => values.get(name).copied(),
+            Outcome::Skipped(_) => None,
+        }
+    }
+
+    /// SHA-256 of what a case found.
+    #[must_use]
+    pub fn found(&self, case: &Case) -> Option<&str> {
+        self.found.get(case).map(String::as_str)
+    }
+
+    /// All cases, in the order in which they were measured.
+    pub fn cases(&self) -> impl Iterator<Item = (&Case, &Outcome)> {
+        self.order.iter().map(|case| (case, &self.outcomes[case]))
+    }
+}
+
+fn path_in(folder: &Path) -> PathBuf {
+    folder.join("results.jsonl")
+}
+
+fn line_of(value: &impl Serialize) -> Result<String, String> {
+    serde_json::to_string(value).map(|text| text + "\n").map_err(|error| error.to_string())
+}
+
+fn unwritable(path: &Path, error: &std::io::Error) -> String {
+    format!("cannot write `{}`: {error}", path.display())
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::case::{Map, What};
+    use caustic_device::Device;
+
+    pub fn case(photons: u32) -> Case {
+        let subject = "linear-list".to_string();
+        Case { what: What::Speed, subject, map: Map::Global, photons, k: 50, radius_mm: 74, size: [64, 48] }
+    }
+
+    pub fn values(all: &[(&str, f64)]) -> Outcome {
+        Outcome::Values(all.iter().map(|&(name, value)| (name.to_string(), value)).collect())
+    }
+
+    #[test]
+    fn results_are_found_again_and_half_a_line_is_forgotten() {
+        let folder = tempfile::tempdir().unwrap();
+        let machine = Machine::of(&Device::cpu());
+        let mut store = Store::open(folder.path(), &machine, true).unwrap();
+        store.add(&case(10), values(&[("build_ms", 1.5)]), Some("ab".to_string())).unwrap();
+        store.add(&case(20), Outcome::Skipped("too long".to_string()), None).unwrap();
+        drop(store);
+        let path = path_in(folder.path());
+        let text = fs::read_to_string(&path).unwrap();
+        fs::write(&path, format!("{text}{{\"case\": {{\"wh")).unwrap();
+        let mut store = Store::open(folder.path(), &machine, true).unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        assert_eq!((store.value(&case(10), "build_ms"), store.found(&case(10))), (Some(1.5), Some("ab")));
+        assert_eq!((store.value(&case(20), "build_ms"), store.cases().count()), (None, 2));
+        store.add(&case(30), values(&[]), None).unwrap();
+        assert_eq!(Store::read(folder.path()).ok().unwrap().cases().count(), 3);
+    }
+
+    #[test]
+    fn results_of_other_circumstances_are_refused_with_a_remedy() {
+        let folder = tempfile::tempdir().unwrap();
+        let machine = Machine::of(&Device::cpu());
+        drop(Store::open(folder.path(), &machine, true).unwrap());
+        let error = |machine: &Machine, quick| Store::open(folder.path(), machine, quick).err().unwrap();
+        assert!(error(&machine, false).contains("with --quick; give another folder"));
+        let other = Machine { commit: "another".to_string(), ..machine.clone() };
+        assert!(error(&other, true).contains("results.jsonl` has results of"));
+        fs::write(path_in(folder.path()), "rubbish\n").unwrap();
+        assert!(error(&machine, true).contains("line 1 of"));
+    }
+}

@@ -1,0 +1,30 @@
+//! `caustic experiments`.
+
+use caustic_device::DeviceChoice;
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Args)]
+pub struct ExperimentsArguments {
+    /// Folder of the results and of the report; results that are there are not measured again.
+    #[arg(short, long, value_name = "DIR", default_value = "experiments")]
+    pub output: PathBuf,
+    /// Smaller ranges: under three minutes on two cores.
+    #[arg(long)]
+    pub quick: bool,
+    /// These figures only, such as fig16,table3 (see --list).
+    #[arg(long, value_name = "FIGURES", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
+    #[arg(long, value_name = "D", default_value = "auto")]
+    pub device: DeviceChoice,
+    /// Longest that a single run of a case may take, in seconds: cases that are expected to take longer are left out.
+    #[arg(long, value_name = "S", default_value = "60", allow_negative_numbers = true)]
+    pub patience: f64,
+    /// Makes the report of the results that are there, and measures nothing.
+    #[arg(long)]
+    pub report_only: bool,
+    /// Lists the figures.
+    #[arg(long)]
+    pub list: bool,
+}

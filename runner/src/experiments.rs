@@ -1,0 +1,77 @@
+//! `caustic experiments`.
+
+use crate::Failure;
+use crate::args::ExperimentsArguments;
+use crate::progress::BenchMonitor;
+use caustic_bench::record;
+use caustic_bench::row::Machine;
+use caustic_device::Device;
+use caustic_experiments::figure::{self, Figure, Results};
+use caustic_experiments::scope::Scope;
+use caustic_experiments::store::{Outcome, Store};
+use caustic_experiments::{Event, Options, report, run as measure};
+use std::path::Path;
+
+/// Measures the thesis's experiments and writes a report.
+pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
+    let figures = figure::named(&arguments.only).map_err(Failure::input)?;
+    if arguments.list {
+        for figure in &figures {
+            println!("{:<10} {} (section {})", figure.id, figure.title, figure.section);
+        }
+        return Ok(());
+    }
+    let folder = &arguments.output;
+    if arguments.report_only {
+        let nothing = || Failure::input(format!("-o {}: there are no results in this folder", folder.display()));
+        let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
+        return write(folder, &figures, &store);
+    }
+    if !(arguments.patience > 0.0) {
+        return Err(Failure::input(format!("--patience is {} but must be above 0 seconds", arguments.patience)));
+    }
+    let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
+    eprintln!("{line}");
+    let mut store = Store::open(folder, &Machine::of(&device), arguments.quick).map_err(Failure::input)?;
+    let scope = Scope { quick: arguments.quick, gpu: device.is_gpu() };
+    let options = Options { folder, figures: &figures, scope, patience_s: arguments.patience };
+    let monitor = BenchMonitor::new();
+    let complete = measure(&options, &device, &mut store, &mut |event| {
+        match event {
+            Event::Begin(case, done) => monitor.begin(&case.to_string(), done),
+            Event::Done(case, Outcome::Skipped(reason)) => monitor.print(&format!("{case}: left out, {reason}")),
+            Event::Done(..) => {}
+        }
+        monitor.goes_on()
+    });
+    monitor.finish();
+    let complete = complete.map_err(Failure::machine)?;
+    write(folder, &figures, &store)?;
+    if complete { Ok(()) } else { Err(Failure::interrupted_experiments(store.cases().count())) }
+}
+
+/// Writes the report, also of experiments that were interrupted.
+fn write(folder: &Path, figures: &[&'static Figure], store: &Store) -> Result<(), Failure> {
+    let gpu = !store.header.machine.driver.is_empty();
+    let results = Results { store, scope: Scope { quick: store.header.quick, gpu }, folder };
+    let made = report::make(&results, figures).map_err(Failure::machine)?;
+    let quick = if store.header.quick { " --quick" } else { "" };
+    let page = report::html(store, &made, &format!("caustic experiments{quick}"));
+    let files = [
+        ("report.html", page),
+        ("results.csv", report::csv(store)),
+        ("results.json", report::json(store, &made)),
+        ("claims.md", report::claims(store, &made)),
+    ];
+    for (name, text) in files {
+        record::write(&folder.join(name), &text).map_err(Failure::machine)?;
+    }
+    for made in &made {
+        for (chart, svg) in made.page.charts.iter().zip(&made.svgs) {
+            record::write(&folder.join(format!("{}.svg", chart.name)), svg).map_err(Failure::machine)?;
+        }
+    }
+    println!("{}", report::verdicts(&made));
+    println!("wrote {}", folder.join("report.html").display());
+    Ok(())
+}
