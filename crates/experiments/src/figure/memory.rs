@@ -94,17 +94,17 @@ pub(super) const FIG_24: Figure = Figure {
     page: |results| {
         let all_points: Vec<_> =
             sizes(&results.scope).iter().map(|&photons| (photons, of_size(results, photons))).collect();
-        let line = |(i, (photons, points)): (usize, &(u32, Vec<(f64, f64)>))| Line {
+        let lines = all_points.iter().zip(0..).map(|((photons, points), i)| Line {
             subject: i,
             label: format!("{photons} photons"),
             points: points.clone(),
-        };
+        });
         let chart = Chart {
             name: "memory-radius".to_string(),
             title: "Memory over query radius, linear hash, global map".to_string(),
             axes: [Axis::Radius, Axis::Bytes],
             thesis_to: (!results.scope.quick).then_some(Vary::Radius.thesis_to()),
-            lines: all_points.iter().enumerate().map(line).collect(),
+            lines: lines.collect(),
         };
         let smallest = || {
             let points = &all_points.first()?.1;
