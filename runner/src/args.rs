@@ -1,9 +1,11 @@
 //! The command line.
 
 mod bench;
+mod compare;
 mod experiments;
 
 pub use bench::BenchArguments;
+pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
 
 use caustic_device::{DeviceChoice, Precision};
@@ -24,11 +26,13 @@ use std::path::PathBuf;
         caustic render cornell -o caustic.png --show map-caustic --caustic-photons 10000\n  \
         caustic render my_scene.toml -o picture.png --hash teschner --device cpu\n  \
         caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
+        caustic compare picture.png reference.png --metric flip --threshold 0.05 --diff error.png\n  \
         caustic verify --device gpu\n  \
         caustic bench --quick\n  \
         caustic bench --filter gather --json rows.json --svg plots\n  \
         caustic experiments --quick --only fig16,table3\n\n\
-        Exit codes: 0 done, 1 the device or disk failed, 2 the input was wrong, 130 interrupted."
+        Exit codes: 0 done, 1 the device or disk failed, 2 the input was wrong, 3 pictures differ by more than a threshold, \
+        130 interrupted."
 )]
 pub struct Arguments {
     #[command(subcommand)]
@@ -41,6 +45,8 @@ pub enum Command {
     Render(RenderArguments),
     /// Builds a photon map of given or synthetic photons, searches it, and checks the answers against brute force.
     Map(MapArguments),
+    /// Says how much a PNG, EXR or HDR picture differs from a reference, and whether that is within a threshold.
+    Compare(CompareArguments),
     /// Runs every kernel and small renders on a GPU and on the CPU with fresh random inputs, and compares them bit for bit.
     Verify(VerifyArguments),
     /// Measures sorts, photon maps, gathers, tracing and frames over many sizes, and checks every result.

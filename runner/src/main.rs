@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod compare;
 mod experiments;
 mod info;
 mod map;
@@ -29,6 +30,11 @@ impl Failure {
     /// The machine failed: exit code 1.
     pub fn machine(message: impl ToString) -> Self {
         Self { code: 1, message: message.to_string() }
+    }
+
+    /// Pictures differ by more than they may: exit code 3. Nothing failed, so a script can tell this answer from no answer.
+    pub fn differs(message: impl ToString) -> Self {
+        Self { code: 3, message: message.to_string() }
     }
 
     /// The exit code.
@@ -83,6 +89,7 @@ fn main() -> ExitCode {
     let result = match arguments.command.unwrap_or_default() {
         Command::Render(arguments) => render::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiments(arguments) => experiments::run(&arguments),

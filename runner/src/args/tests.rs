@@ -3,8 +3,15 @@
 use super::*;
 use clap::CommandFactory;
 
-const WORDS: [&str; 69] = [
+const WORDS: [&str; 76] = [
     "render",
+    "compare",
+    "--metric",
+    "flip",
+    "yee,rmse",
+    "--threshold",
+    "yee=0",
+    "--diff",
     "map",
     "info",
     "scene",
@@ -90,7 +97,7 @@ fn any_command_line_is_arguments_or_a_sentence() {
         let mut words = vec!["caustic"];
         // A command and its scene first, more often than chance would have it.
         if random(0) % 4 > 0 {
-            words.push(["render", "map", "verify", "bench"][random(1) % 4]);
+            words.push(["render", "map", "compare", "verify", "bench"][random(1) % 5]);
         }
         if random(2) % 4 > 0 {
             words.extend([["cornell", "-o", "a.png"].as_slice(), &["--seed", "7"], &["--json"]][random(3) % 3]);
