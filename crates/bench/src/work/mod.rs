@@ -58,6 +58,8 @@ pub(crate) struct Units {
 
 /// Prepares a case at size `n`. A new kind is an arm here.
 pub(crate) fn prepare<'a>(case: &Case, n: u32, device: &'a Device) -> Result<Box<dyn Work + 'a>, Trouble> {
+    // What the last case left is of no use to this one.
+    device.trim();
     let needed = host_bytes(&case.kind, n, device);
     if let Some(available) = available_bytes().filter(|&available| needed > available) {
         let mib = |bytes: u64| bytes >> 20;
