@@ -77,7 +77,7 @@ fn time(
     let grid = plan_grid(low, high, photons.len() as u64, &sample, options)?;
     let unsorted = device.upload("photons", photons)?;
     let query_buffer: Buffer = device.upload("queries", queries)?;
-    let out = device.buffer::<Irradiance>("irradiance", queries.len() as u64)?;
+    let out = device.scratch::<Irradiance>("irradiance", queries.len() as u64)?;
     let mut build = Plan::new();
     build.scope("build");
     let map = PhotonMap::plan(device, &mut build, &unsorted, grid)?;

@@ -6,7 +6,7 @@
 #![no_std]
 #![allow(missing_docs)] // the entry points are documented where their bodies are
 
-use caustic_kernels::exec::{Invocation, SubgroupInvocation};
+use caustic_kernels::exec::{Invocation, Single, SubgroupInvocation};
 use caustic_kernels::gather::*;
 use caustic_kernels::grid::{self, *};
 use caustic_kernels::layout::*;
@@ -43,6 +43,21 @@ macro_rules! entry_points {
             $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
         ) {
             $module::$body$(::<$($generic),*>)?((group.y * groups.x + group.x) * $lanes + lane.x, $($arg),*);
+        }
+        entry_points! { $($rest)* }
+    };
+    (batch($registers:ty) $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*)
+     = $module:ident::$body:ident; $($rest:tt)*) => {
+        #[spirv(compute(threads($lanes)))]
+        pub fn $entry(
+            #[spirv(workgroup_id)] group: UVec3,
+            #[spirv(num_workgroups)] groups: UVec3,
+            #[spirv(local_invocation_id)] lane: UVec3,
+            $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
+        ) {
+            let index = (group.y * groups.x + group.x) * $lanes + lane.x;
+            let mut single = Single { index, registers: <$registers>::default() };
+            $module::$body(&mut single, $($arg),*);
         }
         entry_points! { $($rest)* }
     };

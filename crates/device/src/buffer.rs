@@ -1,31 +1,38 @@
 //! Named buffers, and the ledger of what they take.
 
+use crate::pool::{Pool, Storage};
 use std::collections::HashMap;
+use std::num::NonZeroU64;
 use std::sync::{Arc, Mutex, RwLock};
-
-/// Where a buffer's bytes are: on the CPU as words, on a GPU, or on both.
-pub(crate) struct Storage {
-    pub(crate) cpu: Option<RwLock<Vec<u32>>>,
-    pub(crate) gpu: Option<wgpu::Buffer>,
-}
 
 const ELSEWHERE: &str = "a buffer belongs to the device that made it";
 
-/// A named piece of a device's memory. Cloning it makes another handle; the memory goes with the last.
+/// A named piece of a device's memory. Cloning it makes another handle; with the last the memory goes back to the device, which
+/// keeps it for the next buffer.
 #[derive(Clone)]
 pub struct Buffer(Arc<Inner>);
 
 struct Inner {
     name: String,
     bytes: u64,
-    storage: Storage,
-    ledger: Arc<Ledger>,
+    /// There until it is dropped.
+    storage: Option<Storage>,
+    accounts: Arc<Accounts>,
+}
+
+/// What outlives a device's buffers: who has memory, and what nobody has.
+#[derive(Default)]
+pub(crate) struct Accounts {
+    pub(crate) ledger: Ledger,
+    pub(crate) pool: Pool,
 }
 
 impl Buffer {
-    pub(crate) fn new(name: &str, bytes: u64, storage: Storage, ledger: &Arc<Ledger>) -> Self {
-        ledger.take(name, bytes);
-        Self(Arc::new(Inner { name: name.to_string(), bytes, storage, ledger: Arc::clone(ledger) }))
+    pub(crate) fn new(name: &str, bytes: u64, storage: Storage, accounts: &Arc<Accounts>) -> Self {
+        accounts.ledger.take(name, storage.bytes);
+        accounts.pool.lend(storage.bytes);
+        let storage = Some(storage);
+        Self(Arc::new(Inner { name: name.to_string(), bytes, storage, accounts: Arc::clone(accounts) }))
     }
 
     /// Its name.
@@ -41,11 +48,16 @@ impl Buffer {
     }
 
     pub(crate) fn on_cpu(&self) -> &RwLock<Vec<u32>> {
-        self.0.storage.cpu.as_ref().expect(ELSEWHERE)
+        self.0.storage.as_ref().and_then(|storage| storage.cpu.as_ref()).expect(ELSEWHERE)
     }
 
     pub(crate) fn on_gpu(&self) -> &wgpu::Buffer {
-        self.0.storage.gpu.as_ref().expect(ELSEWHERE)
+        self.0.storage.as_ref().and_then(|storage| storage.gpu.as_ref()).expect(ELSEWHERE)
+    }
+
+    /// What a kernel of a GPU sees: its own bytes, not all that its memory may have.
+    pub(crate) fn binding(&self) -> wgpu::BufferBinding<'_> {
+        wgpu::BufferBinding { buffer: self.on_gpu(), offset: 0, size: NonZeroU64::new(self.bytes()) }
     }
 
     pub(crate) fn is(&self, other: &Self) -> bool {
@@ -55,7 +67,10 @@ impl Buffer {
 
 impl Drop for Inner {
     fn drop(&mut self) {
-        self.ledger.give_back(&self.name, self.bytes);
+        if let Some(storage) = self.storage.take() {
+            self.accounts.ledger.give_back(&self.name, storage.bytes);
+            self.accounts.pool.give_back(storage);
+        }
     }
 }
 

@@ -135,6 +135,9 @@ macro_rules! run {
     (each, $groups:expr, $lanes:tt, $module:ident::$body:ident $([$($generic:tt),*])?, $($access:ident $arg:ident),*) => {
         $groups.each($lanes, |i| $module::$body$(::<$($generic),*>)?(i, $(pass!($access $arg)),*))
     };
+    (batch($registers:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
+        $groups.batches::<$registers>($lanes, |batch| $module::$body(batch, $(pass!($access $arg)),*))
+    };
     (gather($container:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
         $groups.each($lanes, |i| $module::$body(i, <$container>::new(), $(pass!($access $arg)),*))
     };

@@ -10,7 +10,9 @@ mod cpu;
 mod error;
 mod gpu;
 mod kernel;
+mod memory;
 mod plan;
+mod pool;
 mod record;
 mod timing;
 mod twin;
@@ -27,8 +29,7 @@ pub use record::Record;
 pub use timing::StageTime;
 pub use twin::StageComparison;
 
-use buffer::{Ledger, Storage};
-use bytemuck::Pod;
+use buffer::Accounts;
 use cpu::Cpu;
 use gpu::Gpu;
 use std::sync::Arc;
@@ -41,7 +42,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// A device that executes plans.
 pub struct Device {
     backend: Backend,
-    ledger: Arc<Ledger>,
+    accounts: Arc<Accounts>,
     timings: Timings,
 }
 
@@ -117,7 +118,7 @@ impl Device {
     }
 
     fn new(backend: Backend) -> Self {
-        Self { backend, ledger: Arc::default(), timings: Timings::default() }
+        Self { backend, accounts: Arc::default(), timings: Timings::default() }
     }
 
     /// The device's name.
@@ -156,65 +157,6 @@ impl Device {
         }
     }
 
-    /// A buffer of `count` records, all zero. `name` appears in errors and in the memory report.
-    ///
-    /// # Errors
-    /// [`Error::BufferTooLarge`] and [`Error::OutOfMemory`].
-    pub fn buffer<T: Pod>(&self, name: &str, count: u64) -> Result<Buffer> {
-        const { assert!(align_of::<T>() <= 4 && size_of::<T>().is_multiple_of(4)) };
-        // A buffer of nothing cannot be bound, so it holds one record that nobody reads.
-        let bytes = count.max(1).saturating_mul(size_of::<T>() as u64);
-        let storage = Storage {
-            cpu: self.cpu_half().map(|_| cpu::allocate(name, bytes)).transpose()?,
-            gpu: self.gpu_half().map(|gpu| gpu.allocate(name, bytes)).transpose()?,
-        };
-        Ok(Buffer::new(name, bytes, storage, &self.ledger))
-    }
-
-    /// A buffer that holds `data`.
-    ///
-    /// # Errors
-    /// Those of [`Device::buffer`].
-    pub fn upload<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer> {
-        let buffer = self.buffer::<T>(name, data.len() as u64)?;
-        self.write(&buffer, data);
-        Ok(buffer)
-    }
-
-    /// Overwrites the first records of a buffer.
-    ///
-    /// # Panics
-    /// If the buffer is shorter than `data`.
-    pub fn write<T: Pod>(&self, buffer: &Buffer, data: &[T]) {
-        let words: &[u32] = bytemuck::cast_slice(data);
-        if self.cpu_half().is_some() {
-            cpu::lock_write(buffer.on_cpu())[..words.len()].copy_from_slice(words);
-        }
-        if let Some(gpu) = self.gpu_half() {
-            gpu.write(buffer.on_gpu(), bytemuck::cast_slice(words));
-        }
-    }
-
-    /// The first `count` records of a buffer.
-    ///
-    /// # Errors
-    /// [`Error::DeviceLost`].
-    ///
-    /// # Panics
-    /// If the buffer is shorter than that.
-    pub fn read<T: Pod>(&self, buffer: &Buffer, count: u64) -> Result<Vec<T>> {
-        if self.cpu_half().is_some() {
-            let memory = cpu::lock_read(buffer.on_cpu());
-            let records: &[T] = bytemuck::cast_slice(&memory[..count as usize * size_of::<T>() / 4]);
-            return Ok(records.to_vec());
-        }
-        let mut records = vec![T::zeroed(); count as usize];
-        if let Some(gpu) = self.gpu_half() {
-            gpu.read(buffer.name(), buffer.on_gpu(), bytemuck::cast_slice_mut(&mut records))?;
-        }
-        Ok(records)
-    }
-
     fn cpu_half(&self) -> Option<&Cpu> {
         match &self.backend {
             Backend::Cpu(cpu) | Backend::Twin(cpu, _, _) => Some(cpu),
@@ -250,22 +192,5 @@ impl Device {
     /// Forgets the times so far.
     pub fn reset_stage_times(&self) {
         self.timings.reset();
-    }
-
-    /// Bytes of each buffer name, now and at the most, in the order of first use.
-    #[must_use]
-    pub fn buffer_bytes(&self) -> Vec<BufferBytes> {
-        self.ledger.report()
-    }
-
-    /// Forgets the most bytes so far: [`Device::total_bytes`] has the most from here on.
-    pub fn reset_peak_bytes(&self) {
-        self.ledger.reset_peak();
-    }
-
-    /// Bytes of all buffers together, now and at the most.
-    #[must_use]
-    pub fn total_bytes(&self) -> (u64, u64) {
-        self.ledger.total()
     }
 }

@@ -1,8 +1,10 @@
 //! How a kernel body meets a device.
 //!
-//! Three shapes of kernel exist:
+//! Four shapes of kernel exist:
 //!
 //! * **each**: `fn body(i: u32, inputs…, outputs…)`, one invocation an element. Invocations share nothing.
+//! * **batch**: `fn body(batch: &mut impl Batch<R>, inputs…, outputs…)`, an `each` in phases without barriers: nothing is shared, but
+//!   what many elements wait for is on its way at once on the CPU, too ([`Batch`]).
 //! * **group**: `fn body(lanes: &mut impl Lanes<R>, group: u32, shared: &mut S, inputs…, outputs…)`, written as
 //!   phases. Between two phases stands a workgroup barrier. A value that crosses a phase lives in the lane's
 //!   registers `R` or in `shared`; within a phase no lane reads what another lane of that phase writes. So the order
@@ -19,6 +21,10 @@
 //!
 //! An output is written through [`Store`] and never read by the stage that writes it, so the same body serves a plain
 //! slice on the GPU and a buffer shared between threads on the CPU.
+
+mod batch;
+
+pub use batch::*;
 
 /// A stage's input buffer: records that no invocation of the stage writes.
 pub type Input<T> = [T];

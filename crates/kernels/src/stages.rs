@@ -4,7 +4,7 @@
 ///
 /// A line reads `shape Name = entry_point [lanes] (parameters) = body`, where
 ///
-/// * the shape is `each` (one invocation an element), `group (registers; shared)` (a workgroup in phases),
+/// * the shape is `each` (one invocation an element), `batch (registers)` (the same in phases, without barriers), `group (registers; shared)` (a workgroup in phases),
 ///   `subgroups (registers; shared)` (a block of [`SORT_BLOCK`](crate::sort::SORT_BLOCK) items, shared out among lanes in subgroups
 ///   with ballots), `lanes (registers; shared)` (the same without subgroups), `columns (shared)` (like `each`, with the lane and shared memory
 ///   in which each lane has its own column) or `gather (container)` (like `each`, with a container of candidates as its first
@@ -49,7 +49,7 @@ macro_rules! stages {
             lanes(GridRegisters; LargestShared) CellBegins = cell_begins [256] (
                 0 grid: One Grid, 1 keys: In u32, 2 powers: In u32, 3 begins: Out u32, 4 power: Out u32
             ) = grid::cell_begins;
-            each ReorderPhotons = reorder_photons [256] (
+            batch(Moved) ReorderPhotons = reorder_photons [256] (
                 0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 power: In u32, 4 sites: Out Site,
                 5 arrivals: Out Arrival
             ) = grid::reorder_photons;

@@ -21,7 +21,7 @@ pub struct PhotonMap {
 
 /// Where a plan leaves the neighbours of queries.
 pub struct Neighbours {
-    /// k places a query, of [`Neighbour`]; those after its last are left as they were.
+    /// k places a query, of [`Neighbour`]; those after its last hold anything.
     pub neighbours: Buffer,
     /// How many each query has, or [`CUT_SHORT`].
     pub counts: Buffer,
@@ -54,16 +54,16 @@ impl PhotonMap {
         let blocks = count.div_ceil(GRID_BLOCK);
         let grid_buffer = device.upload("map: grid", &[grid])?;
         let rows = device.upload("map: rows", rows)?;
-        let keys = device.buffer::<u32>("sort: keys", u64::from(count))?;
-        let powers = device.buffer::<u32>("map: powers", 3 * u64::from(blocks))?;
+        let keys = device.scratch::<u32>("sort: keys", u64::from(count))?;
+        let powers = device.scratch::<u32>("map: powers", 3 * u64::from(blocks))?;
         plan.groups(Kernel::HashPhotons, blocks, &[&grid_buffer, unsorted, &keys, &powers]);
         let sorted = RadixSort::plan(device, plan, &keys, count, key_bits(&grid))?;
-        let begins = device.buffer::<u32>("map: cell begins", u64::from(grid.table) + 1)?;
-        let power = device.buffer::<u32>("map: power", 3)?;
+        let begins = device.scratch::<u32>("map: cell begins", u64::from(grid.table) + 1)?;
+        let power = device.scratch::<u32>("map: power", 3)?;
         let entries = (grid.table + 1).div_ceil(GRID_BLOCK);
         plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
-        let sites = device.buffer::<Site>("map: sites", u64::from(count))?;
-        let arrivals = device.buffer::<Arrival>("map: arrivals", u64::from(count))?;
+        let sites = device.scratch::<Site>("map: sites", u64::from(count))?;
+        let arrivals = device.scratch::<Arrival>("map: arrivals", u64::from(count))?;
         plan.each(Kernel::ReorderPhotons, count, &[&grid_buffer, &sorted.order, unsorted, &power, &sites, &arrivals]);
         Ok(Self { grid, grid_buffer, rows, sites, arrivals, begins, power })
     }
@@ -165,13 +165,13 @@ impl PhotonMap {
             return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
         }
         let Search { params, order } = self.plan_search(device, plan, queries, count, k, k)?;
-        let neighbours = device.buffer::<Neighbour>("neighbours", rows)?;
-        let counts = device.buffer::<u32>("neighbour counts", u64::from(count))?;
+        let neighbours = device.scratch::<Neighbour>("neighbours", rows)?;
+        let counts = device.scratch::<u32>("neighbour counts", u64::from(count))?;
         let search = [&params, &self.grid_buffer, &self.rows, queries, &order, &self.sites, &self.begins];
         let [params, ..] = search;
         if matches!(kernel, Kernel::NeighboursHistogram | Kernel::NeighboursHistogramHashed) {
-            let unordered = device.buffer::<Neighbour>("neighbours, unordered", rows)?;
-            let windows = device.buffer::<u32>("neighbour windows", 2 * u64::from(count))?;
+            let unordered = device.scratch::<Neighbour>("neighbours, unordered", rows)?;
+            let windows = device.scratch::<u32>("neighbour windows", 2 * u64::from(count))?;
             plan.each(kernel, count, &[&search[..], &[&unordered, &counts, &windows]].concat());
             let all = rows as u32;
             plan.each(Kernel::OrderNeighbours, all, &[params, &counts, &windows, &unordered, &neighbours]);
@@ -192,7 +192,7 @@ impl PhotonMap {
         wanted: u32,
     ) -> Result<Search, MapError> {
         let params = device.upload("gather: params", &[GatherParams { queries: count, k, guess: guess(wanted) }])?;
-        let keys = device.buffer::<u32>("sort: query keys", u64::from(count))?;
+        let keys = device.scratch::<u32>("sort: query keys", u64::from(count))?;
         plan.each(Kernel::HashQueries, count, &[&params, &self.grid_buffer, queries, &keys]);
         let order = RadixSort::plan(device, plan, &keys, count, key_bits(&self.grid))?.order;
         Ok(Search { params, order })
@@ -291,7 +291,7 @@ fn estimates(
 ) -> Result<Vec<Irradiance>, MapError> {
     let count = query_count(queries)?;
     let query_buffer = device.upload("queries", queries)?;
-    let out = device.buffer::<Irradiance>("irradiance", u64::from(count))?;
+    let out = device.scratch::<Irradiance>("irradiance", u64::from(count))?;
     let mut plan = Plan::new();
     plan_estimate(&mut plan, &query_buffer, count, &out)?;
     device.run(&plan)?;

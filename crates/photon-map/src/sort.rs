@@ -59,13 +59,13 @@ fn passes(
 ) -> Result<(Buffer, Buffer)> {
     let blocks = count.div_ceil(SORT_BLOCK);
     let of_values = if matches!(values, Values::None) { 0 } else { u64::from(count) };
-    let mut from = (keys.clone(), device.buffer::<u32>("sort: order", of_values)?);
+    let mut from = (keys.clone(), device.scratch::<u32>("sort: order", of_values)?);
     let mut to =
-        (device.buffer::<u32>("sort: keys", u64::from(count))?, device.buffer::<u32>("sort: order", of_values)?);
+        (device.scratch::<u32>("sort: keys", u64::from(count))?, device.buffer::<u32>("sort: order", of_values)?);
     let cells = u64::from(DIGITS) * u64::from(blocks);
-    let histogram = device.buffer::<u32>("sort: histogram", cells)?;
-    let offsets = device.buffer::<u32>("sort: offsets", cells)?;
-    let totals = device.buffer::<u32>("sort: digit totals", u64::from(DIGITS))?;
+    let histogram = device.scratch::<u32>("sort: histogram", cells)?;
+    let offsets = device.scratch::<u32>("sort: offsets", cells)?;
+    let totals = device.scratch::<u32>("sort: digit totals", u64::from(DIGITS))?;
     let scan = device.upload("sort: scan", &[ScanParams { count: DIGITS * blocks, row_length: blocks }])?;
     // Every subgroup needs counters of its own: there is memory for so many. The CPU has one lane for all.
     let (count_digits, scatter) = match subgroup_lanes {
@@ -98,10 +98,10 @@ fn passes(
 /// Those of [`Device::buffer`].
 pub fn scan(device: &Device, plan: &mut Plan, input: &Buffer, count: u32) -> Result<[Buffer; 3]> {
     let blocks = count.div_ceil(SCAN_BLOCK);
-    let sums = device.buffer::<u32>("scan: sums", u64::from(count))?;
-    let totals = device.buffer::<u32>("scan: block totals", u64::from(blocks))?;
-    let offsets = device.buffer::<u32>("scan: block offsets", u64::from(blocks))?;
-    let total = device.buffer::<u32>("scan: total", 1)?;
+    let sums = device.scratch::<u32>("scan: sums", u64::from(count))?;
+    let totals = device.scratch::<u32>("scan: block totals", u64::from(blocks))?;
+    let offsets = device.scratch::<u32>("scan: block offsets", u64::from(blocks))?;
+    let total = device.scratch::<u32>("scan: total", 1)?;
     let rows = device.upload("scan: params", &[ScanParams { count, row_length: SCAN_BLOCK }])?;
     let row = device.upload("scan: params", &[ScanParams { count: blocks, row_length: blocks }])?;
     plan.groups(Kernel::ScanRows, blocks, &[&rows, input, &sums, &totals]);

@@ -134,7 +134,7 @@ pub(crate) fn trace(
         bytes: 0,
     };
     let emitted = kind.emitted;
-    let counts = device.buffer::<u32>("photon counts", u64::from(emitted))?;
+    let counts = device.scratch::<u32>("photon counts", u64::from(emitted))?;
     let total = 2 * u64::from(emitted);
     let mut tick = |done: u32, times: u64| {
         let done = u64::from(done) + times * u64::from(emitted);
@@ -143,8 +143,8 @@ pub(crate) fn trace(
     };
     let SceneBuffers { info, nodes, primitives, materials, lights, targets } = buffers;
 
-    let fates = device.buffer::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
-    let segments = device.buffer::<u32>("photon segments", u64::from(emitted.min(CHUNK)))?;
+    let fates = device.scratch::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
+    let segments = device.scratch::<u32>("photon segments", u64::from(emitted.min(CHUNK)))?;
     let mut landed = 0u64;
     let mut pace = Pace::new(device, FIRST_CHUNK, CHUNK, CHUNK);
     // The dispatches: stored photons are traced in the same ones.
@@ -203,7 +203,7 @@ pub(crate) fn trace(
     }
     report.photons_stored = stored as u32;
 
-    let unsorted = device.buffer::<Photon>("photons", stored)?;
+    let unsorted = device.scratch::<Photon>("photons", stored)?;
     for pass in &chunks {
         tick(pass.first, 1)?;
         let params = device.upload("photon pass", &[*pass])?;

@@ -152,8 +152,8 @@ impl Camera<'_> {
         let mut parts = settings.show.parts();
         parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
         parts &= !if caustic.is_none() { PART_CAUSTIC } else { 0 };
-        let tile_buffer = device.buffer::<CameraTile>("camera tile", 1)?;
-        let film_tile_buffer = device.buffer::<FilmTile>("camera tile of film", 1)?;
+        let tile_buffer = device.scratch::<CameraTile>("camera tile", 1)?;
+        let film_tile_buffer = device.scratch::<FilmTile>("camera tile of film", 1)?;
         let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
         let maps = [global, caustic];
         let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
@@ -196,9 +196,9 @@ impl Camera<'_> {
         let samples = pixels * settings.spp;
         let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
         let camera = device.upload("camera", &[self.scene.camera(width, height)])?;
-        let queries = device.buffer::<Query>("sample queries", u64::from(samples))?;
-        let vertices = device.buffer::<Vertex>("sample vertices", u64::from(samples))?;
-        let direct = device.buffer::<Irradiance>("sample direct", records(parts & PART_DIRECT != 0))?;
+        let queries = device.scratch::<Query>("sample queries", u64::from(samples))?;
+        let vertices = device.scratch::<Vertex>("sample vertices", u64::from(samples))?;
+        let direct = device.scratch::<Irradiance>("sample direct", records(parts & PART_DIRECT != 0))?;
         let mut plan = Plan::new();
         plan.scope("image");
         plan.each(
@@ -215,7 +215,7 @@ impl Camera<'_> {
         }
         let mut estimates = Vec::new();
         for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {
-            let estimate = device.buffer::<Irradiance>(name, records(map.is_some()))?;
+            let estimate = device.scratch::<Irradiance>(name, records(map.is_some()))?;
             if let Some(map) = map {
                 plan.scope(name.trim_start_matches("sample "));
                 map.plan_irradiance(device, &mut plan, &queries, samples, settings.k, settings.gather, &estimate)?;

@@ -12,6 +12,7 @@ macro_rules! cases {
 cases!(
     "sort-pairs-24",
     "sort-pairs-32",
+    "sort-keys-32",
     "build-U",
     "build-S",
     "gather-U-k10",

@@ -65,10 +65,11 @@ pub(super) fn check(file: &str, text: &str, fields: &CaseFile) -> Result<Case, C
 /// Refuses fields that the kind has no use for: they would be a misunderstanding.
 fn only_used(check: &Check<'_>, fields: &CaseFile) -> Result<(), CaseError> {
     use KindName::{Build, Frame, Gather, Sort, Trace};
-    let uses: [(&str, bool, &[KindName]); 11] = [
+    let uses: [(&str, bool, &[KindName]); 12] = [
         ("output", fields.output.is_some(), &[Gather]),
         ("distribution", fields.distribution.is_some(), &[Build, Gather]),
         ("bits", fields.bits.is_some(), &[Sort]),
+        ("pairs", fields.pairs.is_some(), &[Sort]),
         ("queries", fields.queries.is_some(), &[Gather]),
         ("k", fields.k.is_some(), &[Build, Gather, Frame]),
         ("radius", fields.radius.is_some(), &[Build, Gather]),
@@ -89,9 +90,10 @@ fn only_used(check: &Check<'_>, fields: &CaseFile) -> Result<(), CaseError> {
 
 fn kind(check: &Check<'_>, fields: &CaseFile) -> Result<Kind, CaseError> {
     Ok(match fields.kind {
-        KindName::Sort => {
-            Kind::Sort { bits: check.whole("bits", check.needed("bits", fields.bits, "sort")?, 1, u32::BITS)? }
-        }
+        KindName::Sort => Kind::Sort {
+            bits: check.whole("bits", check.needed("bits", fields.bits, "sort")?, 1, u32::BITS)?,
+            pairs: fields.pairs.unwrap_or(true),
+        },
         KindName::Build => Kind::Build(map(check, fields, "build")?),
         KindName::Gather => Kind::Gather {
             map: map(check, fields, "gather")?,

@@ -66,6 +66,7 @@ pub(super) struct CaseFile {
     pub output: Option<Output>,
     pub distribution: Option<Distribution>,
     pub bits: Option<i64>,
+    pub pairs: Option<bool>,
     pub queries: Option<i64>,
     pub k: Option<i64>,
     pub radius: Option<f64>,

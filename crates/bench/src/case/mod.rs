@@ -45,10 +45,12 @@ pub struct Case {
 /// What a case does. A new kind is an arm here, one in `check`, and one in `work::prepare`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
-    /// Sorts N keys of some bits with the indices they came from.
+    /// Sorts N keys of some bits.
     Sort {
         /// Bits of a key.
         bits: u32,
+        /// Whether the indices they came from go with them.
+        pairs: bool,
     },
     /// Builds a photon map of N photons.
     Build(Map),
@@ -98,7 +100,8 @@ impl Kind {
     #[must_use]
     pub fn counts(&self) -> &'static str {
         match self {
-            Self::Sort { .. } => "pairs",
+            Self::Sort { pairs: true, .. } => "pairs",
+            Self::Sort { pairs: false, .. } => "keys",
             Self::Build(_) | Self::Gather { .. } => "photons",
             Self::Trace { .. } => "paths",
             Self::Frame { .. } => "photons a map",

@@ -58,6 +58,8 @@ pub(crate) struct Units {
 
 /// Prepares a case at size `n`. A new kind is an arm here.
 pub(crate) fn prepare<'a>(case: &Case, n: u32, device: &'a Device) -> Result<Box<dyn Work + 'a>, Trouble> {
+    // What the last case left is of no use to this one.
+    device.trim();
     let needed = host_bytes(&case.kind, n, device);
     if let Some(available) = available_bytes().filter(|&available| needed > available) {
         let mib = |bytes: u64| bytes >> 20;
@@ -68,7 +70,7 @@ pub(crate) fn prepare<'a>(case: &Case, n: u32, device: &'a Device) -> Result<Box
         )));
     }
     Ok(match &case.kind {
-        Kind::Sort { bits } => Box::new(sort::Sort::new(device, n, *bits)?),
+        Kind::Sort { bits, pairs } => Box::new(sort::Sort::new(device, n, *bits, *pairs)?),
         Kind::Build(map) => Box::new(map::Build::new(device, n, map)?),
         Kind::Gather { map, output, gather, .. } => {
             let queries = case.kind.queries(n).unwrap_or(n);
@@ -83,7 +85,8 @@ pub(crate) fn prepare<'a>(case: &Case, n: u32, device: &'a Device) -> Result<Box
 fn host_bytes(kind: &Kind, n: u32, device: &Device) -> u64 {
     let n = u64::from(n);
     let [here, on_device] = match kind {
-        Kind::Sort { .. } => [16 * n, 24 * n],
+        Kind::Sort { pairs: true, .. } => [16 * n, 24 * n],
+        Kind::Sort { pairs: false, .. } => [12 * n, 12 * n],
         Kind::Build(_) => [32 * n, 96 * n],
         Kind::Gather { map, queries, output, .. } => {
             let queries = u64::from(*queries).min(n);

@@ -54,12 +54,12 @@ impl<'a> Search<'a> {
         let searched = &prepared.map;
         let result = match output {
             Output::Estimate => {
-                let out = device.buffer::<Irradiance>("irradiance", count.into())?;
+                let out = device.scratch::<Irradiance>("irradiance", count.into())?;
                 searched.plan_irradiance(device, &mut plan, &query_buffer, count, map.k, gather, &out)?;
                 Found::Estimates(out)
             }
             Output::Density => {
-                let out = device.buffer::<Irradiance>("irradiance", count.into())?;
+                let out = device.scratch::<Irradiance>("irradiance", count.into())?;
                 searched.plan_density(device, &mut plan, &query_buffer, count, &out)?;
                 Found::Densities(out)
             }

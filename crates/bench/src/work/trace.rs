@@ -34,9 +34,9 @@ impl<'a> Trace<'a> {
         let materials = device.upload("scene: materials", &scene.materials)?;
         let lights = device.upload("scene: lights", &scene.lights)?;
         let targets = device.upload("scene: targets", &scene.targets)?;
-        let counts = device.buffer::<u32>("photon counts", n.into())?;
-        let fates = device.buffer::<u32>("photon fates", n.min(CHUNK).into())?;
-        let segments = device.buffer::<u32>("photon segments", n.min(CHUNK).into())?;
+        let counts = device.scratch::<u32>("photon counts", n.into())?;
+        let fates = device.scratch::<u32>("photon fates", n.min(CHUNK).into())?;
+        let segments = device.scratch::<u32>("photon segments", n.min(CHUNK).into())?;
         let mut passes = Vec::new();
         for first in (0..n).step_by(CHUNK as usize) {
             let paths = CHUNK.min(n - first);
@@ -62,7 +62,7 @@ impl<'a> Trace<'a> {
         device.run(&plan)?;
         let totals: Vec<u32> = device.read(&totals, n.div_ceil(SCAN_BLOCK).into())?;
         let stored = totals.iter().map(|&total| u64::from(total)).sum::<u64>();
-        let photons = device.buffer::<Photon>("photons", stored)?;
+        let photons = device.scratch::<Photon>("photons", stored)?;
         plan.scope("store");
         for (paths, pass) in &passes {
             let scene = [pass, &info, &nodes, &primitives, &materials, &lights, &targets];

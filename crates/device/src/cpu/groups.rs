@@ -1,7 +1,7 @@
 //! Workgroups on the CPU: rayon shares them out, and within one the lanes run one after another.
 
 use bytemuck::Pod;
-use caustic_kernels::exec::Workgroup;
+use caustic_kernels::exec::{Many, Workgroup};
 use rayon::prelude::*;
 
 /// The order in which the CPU visits workgroups and, in them, lanes. Kernels give the same bits in any order.
@@ -53,6 +53,15 @@ impl Groups {
                 body(first + lane);
             }
         });
+    }
+
+    /// Calls `body` for every workgroup of invocations.
+    pub(crate) fn batches<R: Clone + Default + Send>(&self, lanes: u32, body: impl Fn(&mut Many<'_, R>) + Sync) {
+        let order = self.order.lanes(lanes);
+        (0..self.count).into_par_iter().for_each_init(
+            || vec![R::default(); lanes as usize],
+            |registers, i| body(&mut Many { first: self.group(i) * lanes, registers, order: &order }),
+        );
     }
 
     /// Calls `body` for every invocation, with its lane and its workgroup's shared memory.

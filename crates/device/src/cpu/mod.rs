@@ -12,36 +12,18 @@ use crate::kernel::Access;
 use crate::plan::{Plan, Step};
 use crate::timing::Timings;
 use crate::{Error, Result};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::Instant;
 
 pub(crate) struct Cpu {
     order: LaneOrder,
+    allocations: AtomicU64,
 }
 
 /// What the CPU calls itself in reports.
 pub(crate) fn name() -> String {
     format!("CPU, {} threads", rayon::current_num_threads())
-}
-
-pub(crate) fn allocate(name: &str, bytes: u64) -> Result<RwLock<Vec<u32>>> {
-    let out_of_memory = || Error::OutOfMemory {
-        buffer: name.to_string(),
-        device: "the CPU".to_string(),
-        needed: bytes,
-        available: available_bytes().map_or("less than that".to_string(), |b| format!("{b} bytes available")),
-        flag: flag_of(name),
-    };
-    // An operating system that overcommits hands out more than there is and ends the program later.
-    if available_bytes().is_some_and(|available| bytes > available) {
-        return Err(out_of_memory());
-    }
-    let words = usize::try_from(bytes / 4).map_err(|_| out_of_memory())?;
-    let mut probe = Vec::<u32>::new();
-    probe.try_reserve_exact(words).map_err(|_| out_of_memory())?;
-    drop(probe);
-    // Zeroed pages come from the operating system untouched, which a resize of the probe would not.
-    Ok(RwLock::new(vec![0; words]))
 }
 
 /// Memory that can still be had without swapping, bytes, where the system tells (Linux).
@@ -66,7 +48,39 @@ enum Guard<'a> {
 
 impl Cpu {
     pub(crate) fn new(order: LaneOrder) -> Self {
-        Self { order }
+        Self { order, allocations: AtomicU64::new(0) }
+    }
+
+    /// Zeroed memory for a buffer.
+    pub(crate) fn allocate(&self, name: &str, bytes: u64) -> Result<RwLock<Vec<u32>>> {
+        let out_of_memory = || Error::OutOfMemory {
+            buffer: name.to_string(),
+            device: "the CPU".to_string(),
+            needed: bytes,
+            available: available_bytes().map_or("less than that".to_string(), |b| format!("{b} bytes available")),
+            flag: flag_of(name),
+        };
+        // An operating system that overcommits hands out more than there is and ends the program later.
+        if available_bytes().is_some_and(|available| bytes > available) {
+            return Err(out_of_memory());
+        }
+        let words = usize::try_from(bytes / 4).map_err(|_| out_of_memory())?;
+        let mut probe = Vec::<u32>::new();
+        probe.try_reserve_exact(words).map_err(|_| out_of_memory())?;
+        drop(probe);
+        // Zeroed pages come from the operating system untouched, which a resize of the probe would not.
+        self.allocations.fetch_add(1, Relaxed);
+        Ok(RwLock::new(vec![0; words]))
+    }
+
+    /// How often memory was asked of the system.
+    pub(crate) fn allocations(&self) -> u64 {
+        self.allocations.load(Relaxed)
+    }
+
+    /// Whether memory is to be full of rubbish where nothing may depend on it.
+    pub(crate) fn begins_with_rubbish(&self) -> bool {
+        matches!(self.order, LaneOrder::Shuffled(_))
     }
 
     /// Executes a plan, timing each stage by the wall clock.

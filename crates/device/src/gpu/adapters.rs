@@ -3,6 +3,7 @@
 use super::{Gpu, passthrough, pipelines};
 use crate::{Error, Precision, Result};
 use pollster::block_on;
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What `caustic info` says of an adapter.
@@ -184,6 +185,9 @@ fn open_adapter(adapter: &wgpu::Adapter, report: &AdapterReport, precision: Prec
         queue,
         limits,
         pipelines: Mutex::default(),
+        staging: Mutex::default(),
+        stamps: Mutex::default(),
+        allocations: AtomicU64::new(0),
         lost,
         timestamp_period,
     })

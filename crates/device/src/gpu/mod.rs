@@ -7,6 +7,7 @@ mod adapters;
 mod memory;
 mod passthrough;
 mod pipelines;
+mod stamps;
 mod submit;
 
 pub use adapters::{AdapterReport, adapters};
@@ -16,7 +17,9 @@ pub use pipelines::{ShaderManifest, manifest};
 use crate::kernel::Kernel;
 use crate::{Error, Precision, Result};
 use pipelines::Pipeline;
+use stamps::Stamps;
 use std::collections::HashMap;
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Mutex, PoisonError};
 
 pub(crate) struct Gpu {
@@ -35,6 +38,11 @@ pub(crate) struct Gpu {
     pipelines: Mutex<HashMap<Kernel, Arc<Pipeline>>>,
     /// Why the device was lost, once it is.
     lost: Arc<Mutex<Option<String>>>,
+    /// Buffers through which results are read back, when nobody reads.
+    staging: Mutex<Vec<wgpu::Buffer>>,
+    /// Time stamps that no plan uses at the moment.
+    stamps: Mutex<Vec<Stamps>>,
+    allocations: AtomicU64,
     /// Nanoseconds a time stamp counts, where the adapter has time stamps.
     timestamp_period: Option<f32>,
 }

@@ -4,16 +4,19 @@
 //! nearest" is one set, whatever the hash, the device or the container that collects it; and what is summed over it is
 //! summed exactly ([`Limbs`](crate::num::Limbs)), so that the order in which a container holds it does not show.
 
+mod bins;
 mod counting;
 mod density;
 mod estimate;
 mod heap;
+mod kth;
 mod list;
 mod neighbours;
 mod power;
 mod search;
 
-pub use counting::{COLUMN_LANES, Columns, gather_irradiance_by_counting};
+pub use bins::{COLUMN_LANES, Columns};
+pub use counting::gather_irradiance_by_counting;
 pub use density::gather_density;
 pub(crate) use estimate::over_disc;
 pub use estimate::{gather_irradiance, gather_neighbours};

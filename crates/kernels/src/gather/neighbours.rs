@@ -3,7 +3,9 @@
 //! The first writes the k nearest in the order of the bins in which they were counted, the second puts each bin in order, a
 //! lane an element: no lane ever sorts a list of its own.
 
-use super::counting::{BINS, Bins, COLUMN_LANES, Place, WORDS, at, count_of, find, is_before, take_first};
+use super::bins::{BINS, Bins, COLUMN_LANES, WORDS, at, count_of};
+use super::counting::{Place, is_before, take_first};
+use super::kth::find;
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};

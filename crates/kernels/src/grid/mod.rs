@@ -10,7 +10,9 @@ mod ranges;
 
 pub use cell::{axis_cell, cell_of, coordinates, gap};
 pub use hash::{HASH_LINEAR, HASH_MORTON, HASH_TESCHNER, hash_cell, linear, morton, teschner};
-pub use ranges::{GRID_BLOCK, GridRegisters, LargestShared, cell_begins, hash_photons, hash_queries, reorder_photons};
+pub use ranges::{
+    GRID_BLOCK, GridRegisters, LargestShared, Moved, cell_begins, hash_photons, hash_queries, reorder_photons,
+};
 
 use bytemuck::{Pod, Zeroable};
 
@@ -63,7 +65,7 @@ const _: () = assert!(size_of::<Grid>() == 56 && size_of::<Row>() == 12);
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exec::Workgroup;
+    use crate::exec::{Many, Workgroup};
     use crate::layout::{Arrival, Photon, Site};
     use crate::num::Limbs;
     use std::vec;
@@ -214,10 +216,11 @@ mod tests {
         }
         let (mut sites, mut arrivals) = (vec![Site::default(); 6], vec![Arrival::default(); 6]);
         let grid = Grid { photons: 4, ..grid };
-        for i in 0..8 {
+        for first in [0, 3, 6] {
             let (sites, arrivals) = (sites.as_mut_slice(), arrivals.as_mut_slice());
             let power = [1f32, 1.0, 4566.0].map(f32::to_bits);
-            reorder_photons(i, &grid, &[3, 1, 0, 2], &photons, &power, sites, arrivals);
+            let mut batch = Many { first, registers: &mut [Moved::default(); 3], order: &[2, 0, 1] };
+            reorder_photons(&mut batch, &grid, &[3, 1, 0, 2], &photons, &power, sites, arrivals);
         }
         assert_eq!(sites.iter().map(|site| site.photon()).collect::<Vec<_>>(), [3, 1, 0, 2, 0, 0]);
         assert_eq!(arrivals.iter().map(|arrival| arrival.direction()).collect::<Vec<_>>(), [3, 1, 0, 2, 0, 0]);

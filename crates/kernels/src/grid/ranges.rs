@@ -1,7 +1,7 @@
 //! The construction kernels of section 3.1.3 that stand around the sort.
 
 use super::{Grid, cell_of, hash_cell};
-use crate::exec::{Input, Store, Turns};
+use crate::exec::{Batch, Input, Store, Turns};
 use crate::layout::{Arrival, Photon, Query, Site};
 use crate::num::Limbs;
 
@@ -172,11 +172,18 @@ fn first_from(keys: &Input<u32>, place: u32, end: u32, key: u32) -> u32 {
     above
 }
 
+/// A photon on its way to its place.
+#[derive(Clone, Copy, Default)]
+pub struct Moved {
+    index: u32,
+    photon: Photon,
+}
+
 /// Copies the photons into sorted order, so that a cell's photons lie side by side: what a search tests apart from what it
 /// reads of those that count. `power` are the largest powers, as bits, to which powers are aligned.
 #[inline]
-pub fn reorder_photons<S: Store<Site> + ?Sized, A: Store<Arrival> + ?Sized>(
-    i: u32,
+pub fn reorder_photons<B: Batch<Moved>, S: Store<Site> + ?Sized, A: Store<Arrival> + ?Sized>(
+    batch: &mut B,
     grid: &Grid,
     order: &Input<u32>,
     photons: &Input<Photon>,
@@ -184,15 +191,22 @@ pub fn reorder_photons<S: Store<Site> + ?Sized, A: Store<Arrival> + ?Sized>(
     sites: &mut S,
     arrivals: &mut A,
 ) {
-    if i < grid.photons {
-        let index = order[i as usize];
-        let photon = photons[index as usize];
-        let red = Limbs::of(photon.power[0], f32::from_bits(power[0]));
-        let green = Limbs::of(photon.power[1], f32::from_bits(power[1]));
-        let blue = Limbs::of(photon.power[2], f32::from_bits(power[2]));
-        sites.set(i, Site::new(photon.position, index));
-        arrivals.set(i, Arrival::new(red.0, green.0, blue.0, photon.direction, photon.primitive));
-    }
+    batch.each(move |i, moved| {
+        if i < grid.photons {
+            let index = order[i as usize];
+            *moved = Moved { index, photon: photons[index as usize] };
+        }
+    });
+    batch.each(move |i, moved| {
+        if i < grid.photons {
+            let Moved { index, photon } = *moved;
+            let red = Limbs::of(photon.power[0], f32::from_bits(power[0]));
+            let green = Limbs::of(photon.power[1], f32::from_bits(power[1]));
+            let blue = Limbs::of(photon.power[2], f32::from_bits(power[2]));
+            sites.set(i, Site::new(photon.position, index));
+            arrivals.set(i, Arrival::new(red.0, green.0, blue.0, photon.direction, photon.primitive));
+        }
+    });
 }
 
 /// The table entry of each query, by which queries are sorted so that neighbouring lanes walk the same cells. Those that seek
