@@ -1,10 +1,12 @@
 //! The CPU backend: the kernel bodies, called from rayon's threads.
 
 mod groups;
+mod observer;
 mod shared;
 
 pub(crate) use groups::Groups;
 pub use groups::LaneOrder;
+pub use observer::{Observed, Observer};
 pub(crate) use shared::Bound;
 
 use crate::error::flag_of;
@@ -12,11 +14,12 @@ use crate::kernel::Access;
 use crate::plan::{Plan, Step};
 use crate::timing::Timings;
 use crate::{Error, Result};
-use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::Instant;
 
 pub(crate) struct Cpu {
     order: LaneOrder,
+    observer: Option<Arc<dyn Observer>>,
 }
 
 /// What the CPU calls itself in reports.
@@ -66,7 +69,16 @@ enum Guard<'a> {
 
 impl Cpu {
     pub(crate) fn new(order: LaneOrder) -> Self {
-        Self { order }
+        Self { order, observer: None }
+    }
+
+    pub(crate) fn observed(observer: Arc<dyn Observer>) -> Self {
+        Self { order: LaneOrder::Forward, observer: Some(observer) }
+    }
+
+    /// Lanes of a subgroup, for those who choose kernels: one does everything, unless it is watched in place of a GPU.
+    pub(crate) fn subgroup_lanes(&self) -> u32 {
+        if self.observer.is_some() { 32 } else { 1 }
     }
 
     /// Executes a plan, timing each stage by the wall clock.
@@ -100,7 +112,18 @@ impl Cpu {
                 }
             };
             timings.add(stage, start.elapsed().as_secs_f64() * 1e3);
+            if let Some(observer) = &self.observer {
+                show(step, observer.as_ref());
+            }
         }
         Ok(())
+    }
+}
+
+fn show(step: &Step, observer: &dyn Observer) {
+    if let Step::Run { stage, kernel, groups, buffers } = step {
+        let guards: Vec<_> = buffers.iter().map(|buffer| lock_read(buffer.on_cpu())).collect();
+        let words: Vec<&[u32]> = guards.iter().map(|guard| guard.as_slice()).collect();
+        observer.observe(&Observed { stage, kernel: *kernel, groups: *groups, buffers: &words });
     }
 }
