@@ -20,7 +20,7 @@ mod twin;
 pub use buffer::{Buffer, BufferBytes};
 pub use choice::{DeviceChoice, Precision};
 pub use compare::{Difference, FirstDifference};
-pub use cpu::LaneOrder;
+pub use cpu::{LaneOrder, Observed, Observer};
 pub use error::Error;
 pub use gpu::{AdapterReport, ShaderManifest, adapters, manifest};
 pub use kernel::{Access, Binding, Kernel};
@@ -64,6 +64,13 @@ impl Device {
     #[must_use]
     pub fn cpu_with_order(order: LaneOrder) -> Self {
         Self::new(Backend::Cpu(Cpu::new(order)))
+    }
+
+    /// The CPU, telling `observer` of every stage. It stands in for a GPU with subgroups of 32 lanes: plans have the kernels that they
+    /// would have there.
+    #[must_use]
+    pub fn observed(observer: Arc<dyn Observer>) -> Self {
+        Self::new(Backend::Cpu(Cpu::observed(observer)))
     }
 
     /// Opens the device that `choice` asks for, exact, and says in one line which that is and why.
@@ -145,7 +152,10 @@ impl Device {
     /// Lanes of a subgroup, where kernels may use subgroup operations; the CPU takes any kernel.
     #[must_use]
     pub fn subgroup_lanes(&self) -> Option<u32> {
-        self.gpu_half().map_or(Some(1), Gpu::subgroup_lanes)
+        match &self.backend {
+            Backend::Cpu(cpu) => Some(cpu.subgroup_lanes()),
+            Backend::Gpu(gpu) | Backend::Twin(_, gpu, _) => gpu.subgroup_lanes(),
+        }
     }
 
     /// Whether its results are promised to be those of the CPU, bit for bit.

@@ -21,6 +21,9 @@
 //!
 //! An output is written through [`Store`] and never read by the stage that writes it, so the same body serves a plain
 //! slice on the GPU and a buffer shared between threads on the CPU.
+//!
+//! [`Input`] and [`Local`] are a slice and an array here. The package `caustic-kernels-recorded` is made of the same bodies with
+//! others in their place, which write down what is accessed.
 
 mod batch;
 
@@ -28,6 +31,17 @@ pub use batch::*;
 
 /// A stage's input buffer: records that no invocation of the stage writes.
 pub type Input<T> = [T];
+
+/// A lane's private array whose indices are not known at compile time: a GPU keeps it in local memory, not in registers.
+pub type Local<T, const N: usize> = [T; N];
+
+/// A [`Local`] of `N` equal values.
+macro_rules! local {
+    ($value:expr; $n:expr) => {
+        [$value; $n]
+    };
+}
+pub(crate) use local;
 
 /// A stage's output buffer: element `i` is written by at most one invocation of the stage.
 pub trait Store<T> {

@@ -1,10 +1,12 @@
 //! The CPU backend: the kernel bodies, called from rayon's threads.
 
 mod groups;
+mod observer;
 mod shared;
 
 pub(crate) use groups::Groups;
 pub use groups::LaneOrder;
+pub use observer::{Observed, Observer};
 pub(crate) use shared::Bound;
 
 use crate::error::flag_of;
@@ -13,12 +15,13 @@ use crate::plan::{Plan, Step};
 use crate::timing::Timings;
 use crate::{Error, Result};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::sync::{Arc, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::Instant;
 
 pub(crate) struct Cpu {
     order: LaneOrder,
     allocations: AtomicU64,
+    observer: Option<Arc<dyn Observer>>,
 }
 
 /// What the CPU calls itself in reports.
@@ -48,7 +51,7 @@ enum Guard<'a> {
 
 impl Cpu {
     pub(crate) fn new(order: LaneOrder) -> Self {
-        Self { order, allocations: AtomicU64::new(0) }
+        Self { order, allocations: AtomicU64::new(0), observer: None }
     }
 
     /// Zeroed memory for a buffer.
@@ -83,6 +86,15 @@ impl Cpu {
         matches!(self.order, LaneOrder::Shuffled(_))
     }
 
+    pub(crate) fn observed(observer: Arc<dyn Observer>) -> Self {
+        Self { observer: Some(observer), ..Self::new(LaneOrder::Forward) }
+    }
+
+    /// Lanes of a subgroup, for those who choose kernels: one does everything, unless it is watched in place of a GPU.
+    pub(crate) fn subgroup_lanes(&self) -> u32 {
+        if self.observer.is_some() { 32 } else { 1 }
+    }
+
     /// Executes a plan, timing each stage by the wall clock.
     pub(crate) fn run(&self, plan: &Plan, timings: &Timings) -> Result<()> {
         for step in &plan.steps {
@@ -114,7 +126,18 @@ impl Cpu {
                 }
             };
             timings.add(stage, start.elapsed().as_secs_f64() * 1e3);
+            if let Some(observer) = &self.observer {
+                show(step, observer.as_ref());
+            }
         }
         Ok(())
+    }
+}
+
+fn show(step: &Step, observer: &dyn Observer) {
+    if let Step::Run { stage, kernel, groups, buffers } = step {
+        let guards: Vec<_> = buffers.iter().map(|buffer| lock_read(buffer.on_cpu())).collect();
+        let words: Vec<&[u32]> = guards.iter().map(|guard| guard.as_slice()).collect();
+        observer.observe(&Observed { stage, kernel: *kernel, groups: *groups, buffers: &words });
     }
 }

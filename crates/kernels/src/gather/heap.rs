@@ -1,13 +1,13 @@
 //! A max-heap in a fixed-size array: the data structure that the thesis proposes in section 5.6 in place of its list.
 
 use super::{Candidates, Selection, before};
-use crate::exec::Input;
+use crate::exec::{Input, Local, local};
 use crate::layout::Site;
 
 /// The `k ≤ N` first candidates, the last of them on top (Cormen, Leiserson and Rivest, chapter 6).
 pub struct Heap<const N: usize> {
-    distances2: [f32; N],
-    slots: [u32; N],
+    distances2: Local<f32, N>,
+    slots: Local<u32, N>,
     len: u32,
     k: u32,
     bound: f32,
@@ -18,7 +18,7 @@ impl<const N: usize> Heap<N> {
     #[inline]
     #[must_use]
     pub fn new() -> Self {
-        Self { distances2: [0.0; N], slots: [0; N], len: 0, k: 0, bound: 0.0 }
+        Self { distances2: local![0.0; N], slots: local![0; N], len: 0, k: 0, bound: 0.0 }
     }
 
     #[inline]
@@ -155,6 +155,6 @@ impl<const N: usize> Selection for Heap<N> {
 impl<const N: usize> Heap<N> {
     /// One as a GPU may find it: nothing but what [`Selection::reset`] sets is defined.
     pub(super) fn of_rubbish() -> Self {
-        Self { distances2: [f32::NAN; N], slots: [u32::MAX; N], len: 77, k: 77, bound: f32::NAN }
+        Self { distances2: local![f32::NAN; N], slots: local![u32::MAX; N], len: 77, k: 77, bound: f32::NAN }
     }
 }

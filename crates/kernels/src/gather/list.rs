@@ -1,14 +1,14 @@
 //! The sorted list with which the thesis collects photons (section 3.1.3).
 
 use super::{Candidates, Selection, before};
-use crate::exec::Input;
+use crate::exec::{Input, Local, local};
 use crate::layout::Site;
 
 /// The `k ≤ N` first candidates in order. A nearer photon is inserted where it belongs and the later ones move back one
 /// place; the last is lost when the list is full.
 pub struct SortedList<const N: usize> {
-    distances2: [f32; N],
-    slots: [u32; N],
+    distances2: Local<f32, N>,
+    slots: Local<u32, N>,
     len: u32,
     k: u32,
     bound: f32,
@@ -19,7 +19,7 @@ impl<const N: usize> SortedList<N> {
     #[inline]
     #[must_use]
     pub fn new() -> Self {
-        Self { distances2: [0.0; N], slots: [0; N], len: 0, k: 0, bound: 0.0 }
+        Self { distances2: local![0.0; N], slots: local![0; N], len: 0, k: 0, bound: 0.0 }
     }
 }
 
@@ -111,6 +111,6 @@ impl<const N: usize> Selection for SortedList<N> {
 impl<const N: usize> SortedList<N> {
     /// One as a GPU may find it: nothing but what [`Selection::reset`] sets is defined.
     pub(super) fn of_rubbish() -> Self {
-        Self { distances2: [f32::NAN; N], slots: [u32::MAX; N], len: 77, k: 77, bound: f32::NAN }
+        Self { distances2: local![f32::NAN; N], slots: local![u32::MAX; N], len: 77, k: 77, bound: f32::NAN }
     }
 }

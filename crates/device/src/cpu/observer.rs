@@ -1,0 +1,21 @@
+//! Watching what a CPU device runs.
+
+use crate::Kernel;
+
+/// A stage that has just run.
+pub struct Observed<'a> {
+    /// Its name, with its scope.
+    pub stage: &'a str,
+    /// Its kernel.
+    pub kernel: Kernel,
+    /// How many workgroups ran.
+    pub groups: u32,
+    /// The words of its buffers after it ran, in the order of their bindings. Those that it reads are as it found them.
+    pub buffers: &'a [&'a [u32]],
+}
+
+/// Told of every stage that a [`Device::observed`](crate::Device::observed) runs.
+pub trait Observer: Send + Sync {
+    /// Called after each stage.
+    fn observe(&self, stage: &Observed<'_>);
+}
