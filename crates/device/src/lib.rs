@@ -156,6 +156,12 @@ impl Device {
         }
     }
 
+    /// The largest buffer that it takes, bytes.
+    #[must_use]
+    pub fn largest_buffer(&self) -> u64 {
+        self.gpu_half().map_or(u64::MAX, Gpu::largest_buffer)
+    }
+
     /// A buffer of `count` records, all zero. `name` appears in errors and in the memory report.
     ///
     /// # Errors

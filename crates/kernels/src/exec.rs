@@ -18,7 +18,8 @@
 //! costs more than using it. Nothing of it is read that was not written.
 //!
 //! An output is written through [`Store`] and never read by the stage that writes it, so the same body serves a plain
-//! slice on the GPU and a buffer shared between threads on the CPU.
+//! slice on the GPU and a buffer shared between threads on the CPU. What a stage changes in place it reads and writes through
+//! [`Update`], and then an element belongs to one invocation.
 
 /// A stage's input buffer: records that no invocation of the stage writes.
 pub type Input<T> = [T];
@@ -33,6 +34,19 @@ impl<T: Copy> Store<T> for [T] {
     #[inline]
     fn set(&mut self, i: u32, value: T) {
         self[i as usize] = value;
+    }
+}
+
+/// A buffer that a stage changes in place: one invocation of the stage reads and writes element `i`, and no other does either.
+pub trait Update<T>: Store<T> {
+    /// Reads element `i`.
+    fn get(&self, i: u32) -> T;
+}
+
+impl<T: Copy> Update<T> for [T] {
+    #[inline]
+    fn get(&self, i: u32) -> T {
+        self[i as usize]
     }
 }
 

@@ -10,7 +10,7 @@
 ///   in which each lane has its own column) or `gather (container)` (like `each`, with a container of candidates as its first
 ///   parameter);
 /// * a parameter `b name: Access T` is the buffer of binding `b`: `One T` a single record and `In T` a slice, both read;
-///   `Out T` a slice that the stage writes and does not read.
+///   `Out T` a slice that the stage writes and does not read; `InOut T` a slice that it changes in place.
 ///
 /// A body may be followed by its generic arguments. The order of the bindings is the order of the body's parameters. This list is the only place that says which buffers
 /// a stage has.
@@ -154,6 +154,19 @@ macro_rules! stages {
                 0 params: One SearchParams, 1 photons: In Photon, 2 power: In u32, 3 neighbours: In Neighbour, 4 counts: In u32,
                 5 irradiance: Out Irradiance
             ) = rivals::estimate_of_neighbours;
+            group([f32; 3]; BruteTile) BruteDistance = brute_distance [256] (
+                0 params: One BruteParams, 1 queries: In Query, 2 photons: In Photon, 3 distances: Out f32
+            ) = rivals::brute_distance;
+            each BruteInsertionSort = brute_insertion_sort [64] (
+                0 params: One BruteParams, 1 distances: InOut f32, 2 indices: InOut u32, 3 sorted: Out u32
+            ) = rivals::brute_insertion_sort;
+            each BruteCombSort = brute_comb_sort [64] (
+                0 params: One BruteParams, 1 distances: InOut f32, 2 indices: InOut u32, 3 sorted: Out u32
+            ) = rivals::brute_comb_sort;
+            each BruteCopy = brute_copy [256] (
+                0 params: One BruteParams, 1 queries: In Query, 2 distances: In f32, 3 indices: In u32, 4 sorted: In u32,
+                5 neighbours: Out Neighbour, 6 counts: Out u32
+            ) = rivals::brute_copy;
 
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
@@ -193,7 +206,7 @@ macro_rules! stages {
                 0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 words: Out u32
             ) = probe::layout_grid;
             each LayoutRivals = layout_rivals [64] (
-                0 search: In SearchParams, 1 words: Out u32
+                0 search: In SearchParams, 1 brute: In BruteParams, 2 words: Out u32
             ) = probe::layout_rivals;
             each LayoutSort = layout_sort [64] (
                 0 radix: In RadixPass, 1 scan: In ScanParams, 2 pass: In PhotonPass, 3 targets: In Target, 4 words: Out u32

@@ -20,11 +20,13 @@
 //! # Ok::<(), caustic_photon_map::MapError>(())
 //! ```
 
+mod brute;
 mod hash;
 mod photons;
 mod search;
 mod technique;
 
+pub use brute::{BruteForce, BruteSort};
 pub use photons::Photons;
 pub use search::{irradiance, k_nearest};
 pub use technique::Technique;

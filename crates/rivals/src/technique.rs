@@ -1,5 +1,6 @@
 //! The techniques by name.
 
+use crate::brute::{BruteForce, BruteSort};
 use crate::hash::HashIndex;
 use crate::{PhotonIndex, Photons};
 use caustic_device::Device;
@@ -17,6 +18,11 @@ pub enum Technique {
         /// How the nearest are selected.
         gather: Gather,
     },
+    /// Brute force (section 2.2).
+    Brute {
+        /// How distances are sorted.
+        sort: BruteSort,
+    },
 }
 
 impl Technique {
@@ -31,6 +37,8 @@ impl Technique {
         Self::Hash { hash: Hash::Morton, table: None, gather: Gather::List },
         Self::Hash { hash: Hash::Morton, table: None, gather: Gather::Heap },
         Self::Hash { hash: Hash::Morton, table: None, gather: Gather::Histogram },
+        Self::Brute { sort: BruteSort::Insertion },
+        Self::Brute { sort: BruteSort::Comb },
     ];
 
     /// Builds an index over photons for searches within `radius` (m).
@@ -43,6 +51,7 @@ impl Technique {
                 let options = MapOptions { radius, hash, table, cell: None };
                 Ok(Box::new(HashIndex::build(device, photons, &options, gather)?))
             }
+            Self::Brute { sort } => Ok(Box::new(BruteForce::new(photons, radius, sort, None)?)),
         }
     }
 
@@ -50,7 +59,7 @@ impl Technique {
     #[must_use]
     pub fn runs_on(self, _device: &Device) -> bool {
         match self {
-            Self::Hash { .. } => true,
+            Self::Hash { .. } | Self::Brute { .. } => true,
         }
     }
 }

@@ -8,8 +8,13 @@ use crate::{Error, Result};
 const STAGING_BYTES: u64 = 64 << 20;
 
 impl Gpu {
+    /// The largest buffer that a stage can have, bytes.
+    pub(crate) fn largest_buffer(&self) -> u64 {
+        self.limits.max_buffer_size.min(self.limits.max_storage_buffer_binding_size)
+    }
+
     pub(crate) fn allocate(&self, name: &str, bytes: u64) -> Result<wgpu::Buffer> {
-        let available = self.limits.max_buffer_size.min(self.limits.max_storage_buffer_binding_size);
+        let available = self.largest_buffer();
         if bytes > available {
             return Err(Error::BufferTooLarge {
                 buffer: name.to_string(),

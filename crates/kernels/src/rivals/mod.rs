@@ -2,8 +2,12 @@
 //!
 //! They return what a photon map returns: the k nearest within a radius, ordered by (squared distance, index of the photon).
 
+mod brute;
 mod estimate;
 
+pub use brute::{
+    BRUTE_TILE, BruteParams, BruteTile, brute_comb_sort, brute_copy, brute_distance, brute_insertion_sort,
+};
 pub use estimate::estimate_of_neighbours;
 
 use bytemuck::{Pod, Zeroable};
