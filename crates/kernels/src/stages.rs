@@ -167,6 +167,18 @@ macro_rules! stages {
                 0 params: One BruteParams, 1 queries: In Query, 2 distances: In f32, 3 indices: In u32, 4 sorted: In u32,
                 5 neighbours: Out Neighbour, 6 counts: Out u32
             ) = rivals::brute_copy;
+            gather(Heap<17>) JensenNeighbours17 = jensen_neighbours_17 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::jensen_neighbours;
+            gather(Heap<65>) JensenNeighbours65 = jensen_neighbours_65 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::jensen_neighbours;
+            gather(Heap<257>) JensenNeighbours257 = jensen_neighbours_257 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::jensen_neighbours;
+            gather(Heap<1025>) JensenNeighbours1025 = jensen_neighbours_1025 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::jensen_neighbours;
 
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,

@@ -22,6 +22,7 @@
 
 mod brute;
 mod hash;
+mod jensen;
 mod photons;
 mod search;
 mod technique;

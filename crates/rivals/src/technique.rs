@@ -2,6 +2,7 @@
 
 use crate::brute::{BruteForce, BruteSort};
 use crate::hash::HashIndex;
+use crate::jensen::JensenTree;
 use crate::{PhotonIndex, Photons};
 use caustic_device::Device;
 use caustic_photon_map::{Gather, Hash, MapError, MapOptions};
@@ -23,6 +24,8 @@ pub enum Technique {
         /// How distances are sorted.
         sort: BruteSort,
     },
+    /// Jensen's kd-tree, built by the CPU on any device (sections 2.1.2 and 4.3).
+    Jensen,
 }
 
 impl Technique {
@@ -39,6 +42,7 @@ impl Technique {
         Self::Hash { hash: Hash::Morton, table: None, gather: Gather::Histogram },
         Self::Brute { sort: BruteSort::Insertion },
         Self::Brute { sort: BruteSort::Comb },
+        Self::Jensen,
     ];
 
     /// Builds an index over photons for searches within `radius` (m).
@@ -52,6 +56,7 @@ impl Technique {
                 Ok(Box::new(HashIndex::build(device, photons, &options, gather)?))
             }
             Self::Brute { sort } => Ok(Box::new(BruteForce::new(photons, radius, sort, None)?)),
+            Self::Jensen => Ok(Box::new(JensenTree::build(device, photons, radius)?)),
         }
     }
 
@@ -59,7 +64,7 @@ impl Technique {
     #[must_use]
     pub fn runs_on(self, _device: &Device) -> bool {
         match self {
-            Self::Hash { .. } | Self::Brute { .. } => true,
+            Self::Hash { .. } | Self::Brute { .. } | Self::Jensen => true,
         }
     }
 }

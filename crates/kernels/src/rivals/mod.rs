@@ -4,11 +4,13 @@
 
 mod brute;
 mod estimate;
+mod jensen;
 
 pub use brute::{
     BRUTE_TILE, BruteParams, BruteTile, brute_comb_sort, brute_copy, brute_distance, brute_insertion_sort,
 };
 pub use estimate::estimate_of_neighbours;
+pub use jensen::{jensen_neighbours, jensen_word};
 
 use bytemuck::{Pod, Zeroable};
 
