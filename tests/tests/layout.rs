@@ -4,6 +4,7 @@ use caustic_device::{Access, Kernel, manifest};
 use caustic_kernels::gather::{CAPACITIES, COLUMN_LANES, GATHER_LANES};
 use caustic_kernels::grid::GRID_BLOCK;
 use caustic_kernels::probe::LAYOUTS;
+use caustic_kernels::rivals::{BRUTE_TILE, CELLS_LANES};
 use caustic_kernels::sort::{SCAN_LANES, SORT_BLOCK};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -83,6 +84,10 @@ fn kernels_have_the_lanes_that_their_bodies_assume() {
     }
     for kernel in [Kernel::IrradianceHistogram, Kernel::NeighboursHistogram] {
         assert_eq!(kernel.lanes(), COLUMN_LANES);
+    }
+    assert_eq!(Kernel::BruteDistance.lanes(), BRUTE_TILE);
+    for kernel in [17, 65, 257, 1025].map(|n| Kernel::named(&format!("cells_neighbours_{n}")).unwrap()) {
+        assert_eq!(kernel.lanes(), CELLS_LANES);
     }
     let gathers: Vec<_> = Kernel::ALL
         .iter()

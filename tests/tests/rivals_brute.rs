@@ -1,11 +1,12 @@
-//! Brute force: chunks of queries, and the decomposition of its time.
+//! Brute force: chunks of queries, and the decomposition of its time. And searches that a device ends early.
 
 use caustic_device::Device;
+use caustic_photon_map::{Hash, MapError};
 use caustic_rivals::{BruteForce, BruteSort, Photons, Technique, k_nearest};
 use caustic_tests::compare_neighbours;
 use caustic_tests::gpu;
-use caustic_tests::maps::{all_within, nearest};
-use caustic_tests::points::{PointSet, sets};
+use caustic_tests::maps::{all_within, limits_loops, nearest};
+use caustic_tests::points::{PointSet, photons_at, query, sets};
 
 fn named(name: &str, photons: u32) -> PointSet {
     sets(photons).into_iter().find(|set| set.name == name).unwrap()
@@ -64,17 +65,41 @@ fn stages_have_the_names_of_the_decomposition() {
 #[test]
 fn a_sort_that_a_device_ends_early_is_an_error() {
     let Some(gpu) = gpu() else { return };
-    if !caustic_tests::maps::limits_loops(gpu) {
+    if !limits_loops(gpu) {
         return;
     }
     let points: Vec<_> = (0..600).map(|i| [600.0 - i as f32, 0.0, 0.0]).collect();
-    let photons = caustic_tests::points::photons_at(1, &points);
+    let photons = photons_at(1, &points);
     let photons = Photons::upload(gpu, &photons).unwrap();
-    let query = caustic_tests::points::query([0.0; 3]);
+    let query = query([0.0; 3]);
     let insertion = BruteForce::new(&photons, 1e3, BruteSort::Insertion, None).unwrap();
     let found = k_nearest(gpu, &insertion, &[query], 300);
-    assert!(matches!(found, Err(caustic_photon_map::MapError::CutShort { searches: 1, .. })), "{found:?}");
+    assert!(matches!(found, Err(MapError::CutShort { searches: 1, .. })), "{found:?}");
     let comb = BruteForce::new(&photons, 1e3, BruteSort::Comb, None).unwrap();
     let found = k_nearest(gpu, &comb, &[query], 300).unwrap();
     assert!(found[0].iter().map(|neighbour| neighbour.photon).eq((300..600).rev()));
+}
+
+/// Each of 70,000 photons in one point may be the one of the lowest index: a single invocation has to see them all.
+#[test]
+fn a_search_that_a_device_ends_early_is_an_error() {
+    let Some(gpu) = gpu() else { return };
+    if !limits_loops(gpu) {
+        return;
+    }
+    let mut points = vec![[0.5; 3]; 70_000];
+    points[0] = [0.0; 3];
+    let photons = Photons::upload(gpu, &photons_at(1, &points)).unwrap();
+    for technique in [
+        Technique::Brute { sort: BruteSort::Insertion },
+        Technique::Brute { sort: BruteSort::Comb },
+        Technique::Jensen,
+        Technique::Cells { hash: Hash::Linear },
+        Technique::Cells { hash: Hash::Teschner },
+    ] {
+        let index = technique.build(gpu, &photons, 0.25).unwrap();
+        let found = k_nearest(gpu, index.as_ref(), &[query([0.5; 3]), query([0.0; 3])], 1);
+        // What is in one workgroup or subgroup with it may be ended, too.
+        assert!(matches!(found, Err(MapError::CutShort { .. })), "{technique:?}: {found:?}");
+    }
 }

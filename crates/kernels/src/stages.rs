@@ -167,17 +167,37 @@ macro_rules! stages {
                 0 params: One BruteParams, 1 queries: In Query, 2 distances: In f32, 3 indices: In u32, 4 sorted: In u32,
                 5 neighbours: Out Neighbour, 6 counts: Out u32
             ) = rivals::brute_copy;
+            group(CellsRegisters<17>; [u32; cells_words(17)]) CellsNeighbours17 = cells_neighbours_17 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
+            group(CellsRegisters<65>; [u32; cells_words(65)]) CellsNeighbours65 = cells_neighbours_65 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
+            group(CellsRegisters<257>; [u32; cells_words(257)]) CellsNeighbours257 = cells_neighbours_257 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
+            group(CellsRegisters<1025>; [u32; cells_words(1025)]) CellsNeighbours1025 = cells_neighbours_1025 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
             gather(Heap<17>) JensenNeighbours17 = jensen_neighbours_17 [64] (
-                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
             ) = rivals::jensen_neighbours;
             gather(Heap<65>) JensenNeighbours65 = jensen_neighbours_65 [64] (
-                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
             ) = rivals::jensen_neighbours;
             gather(Heap<257>) JensenNeighbours257 = jensen_neighbours_257 [64] (
-                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
             ) = rivals::jensen_neighbours;
             gather(Heap<1025>) JensenNeighbours1025 = jensen_neighbours_1025 [64] (
-                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
             ) = rivals::jensen_neighbours;
 
             each CountPhotons = count_photons [64] (

@@ -17,11 +17,7 @@ impl HashIndex {
         options: &MapOptions,
         gather: Gather,
     ) -> Result<Self, MapError> {
-        let grid = plan_grid(photons.low, photons.high, u64::from(photons.count), &photons.sample, options)?;
-        let mut plan = Plan::new();
-        let map = PhotonMap::plan(device, &mut plan, &photons.buffer, grid)?;
-        device.run(&plan)?;
-        Ok(Self { map, gather })
+        Ok(Self { map: build_map(device, photons, options)?, gather })
     }
 }
 
@@ -36,4 +32,13 @@ impl PhotonIndex for HashIndex {
     fn bytes(&self) -> u64 {
         self.map.bytes()
     }
+}
+
+/// Builds a photon map.
+pub(crate) fn build_map(device: &Device, photons: &Photons, options: &MapOptions) -> Result<PhotonMap, MapError> {
+    let grid = plan_grid(photons.low, photons.high, u64::from(photons.count), &photons.sample, options)?;
+    let mut plan = Plan::new();
+    let map = PhotonMap::plan(device, &mut plan, &photons.buffer, grid)?;
+    device.run(&plan)?;
+    Ok(map)
 }

@@ -21,6 +21,7 @@
 //! ```
 
 mod brute;
+mod cells;
 mod hash;
 mod jensen;
 mod photons;

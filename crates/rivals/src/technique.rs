@@ -1,6 +1,7 @@
 //! The techniques by name.
 
 use crate::brute::{BruteForce, BruteSort};
+use crate::cells::CellsIndex;
 use crate::hash::HashIndex;
 use crate::jensen::JensenTree;
 use crate::{PhotonIndex, Photons};
@@ -26,6 +27,11 @@ pub enum Technique {
     },
     /// Jensen's kd-tree, built by the CPU on any device (sections 2.1.2 and 4.3).
     Jensen,
+    /// Spatial hashing with each cell in a thread of its own (section 5.6).
+    Cells {
+        /// The hash function.
+        hash: Hash,
+    },
 }
 
 impl Technique {
@@ -43,6 +49,9 @@ impl Technique {
         Self::Brute { sort: BruteSort::Insertion },
         Self::Brute { sort: BruteSort::Comb },
         Self::Jensen,
+        Self::Cells { hash: Hash::Linear },
+        Self::Cells { hash: Hash::Teschner },
+        Self::Cells { hash: Hash::Morton },
     ];
 
     /// Builds an index over photons for searches within `radius` (m).
@@ -57,6 +66,10 @@ impl Technique {
             }
             Self::Brute { sort } => Ok(Box::new(BruteForce::new(photons, radius, sort, None)?)),
             Self::Jensen => Ok(Box::new(JensenTree::build(device, photons, radius)?)),
+            Self::Cells { hash } => {
+                let options = MapOptions { radius, hash, table: None, cell: None };
+                Ok(Box::new(CellsIndex::build(device, photons, &options)?))
+            }
         }
     }
 
@@ -64,7 +77,7 @@ impl Technique {
     #[must_use]
     pub fn runs_on(self, _device: &Device) -> bool {
         match self {
-            Self::Hash { .. } | Self::Brute { .. } | Self::Jensen => true,
+            Self::Hash { .. } | Self::Brute { .. } | Self::Jensen | Self::Cells { .. } => true,
         }
     }
 }

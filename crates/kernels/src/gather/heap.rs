@@ -5,6 +5,7 @@ use crate::exec::Input;
 use crate::layout::Site;
 
 /// The `k ≤ N` first candidates, the last of them on top (Cormen, Leiserson and Rivest, chapter 6).
+#[derive(Clone)]
 pub struct Heap<const N: usize> {
     distances2: [f32; N],
     slots: [u32; N],
