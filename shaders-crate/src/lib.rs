@@ -29,6 +29,9 @@ macro_rules! buffer {
     (Out $t:ty) => {
         &mut [$t]
     };
+    (InOut $t:ty) => {
+        &mut [$t]
+    };
 }
 
 macro_rules! entry_points {

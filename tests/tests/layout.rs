@@ -4,6 +4,7 @@ use caustic_device::{Access, Kernel, manifest};
 use caustic_kernels::gather::{CAPACITIES, COLUMN_LANES, GATHER_LANES};
 use caustic_kernels::grid::GRID_BLOCK;
 use caustic_kernels::probe::LAYOUTS;
+use caustic_kernels::rivals::{BRUTE_TILE, CELLS_LANES};
 use caustic_kernels::sort::{SCAN_LANES, SORT_BLOCK};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -41,7 +42,7 @@ fn entry_points_write_what_their_kernels_write() {
         for (i, binding) in kernel.bindings().iter().enumerate() {
             let expected = match binding.access {
                 Access::One | Access::In => "read",
-                Access::Out => "read_write",
+                Access::Out | Access::InOut => "read_write",
             };
             let found = &entry["bindings"][i];
             assert_eq!(found["access"], expected, "{}: `{}`", kernel.entry_point(), binding.name);
@@ -55,7 +56,7 @@ fn entry_points_write_what_their_kernels_write() {
 fn every_record_has_a_layout_kernel() {
     let measured: BTreeSet<_> =
         LAYOUTS.iter().flat_map(|(_, records)| records.iter().map(|row| row.1 as u32 * 4)).collect();
-    assert_eq!(LAYOUTS.iter().map(|(_, records)| records.len()).sum::<usize>(), 22);
+    assert_eq!(LAYOUTS.iter().map(|(_, records)| records.len()).sum::<usize>(), 23);
     for kernel in Kernel::ALL.iter().filter(|kernel| !kernel.entry_point().starts_with("probe_")) {
         for binding in kernel.bindings() {
             // The alignment that `Device::buffer` and the CPU backend rely on.
@@ -83,6 +84,10 @@ fn kernels_have_the_lanes_that_their_bodies_assume() {
     }
     for kernel in [Kernel::IrradianceHistogram, Kernel::NeighboursHistogram] {
         assert_eq!(kernel.lanes(), COLUMN_LANES);
+    }
+    assert_eq!(Kernel::BruteDistance.lanes(), BRUTE_TILE);
+    for kernel in [17, 65, 257, 1025].map(|n| Kernel::named(&format!("cells_neighbours_{n}")).unwrap()) {
+        assert_eq!(kernel.lanes(), CELLS_LANES);
     }
     let gathers: Vec<_> = Kernel::ALL
         .iter()

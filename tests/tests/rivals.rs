@@ -1,6 +1,6 @@
 //! Every technique on every device: the neighbours of brute force on the host, in their order, and the estimates made of them.
 
-use caustic_device::Device;
+use caustic_device::{Device, LaneOrder};
 use caustic_kernels::layout::{Neighbour, Query};
 use caustic_photon_map::MapError;
 use caustic_rivals::{Photons, Technique, irradiance, k_nearest};
@@ -37,6 +37,14 @@ fn check_all(device: &Device, photons: u32, ks: &[u32]) {
 #[test]
 fn every_technique_finds_what_brute_force_finds() {
     check_all(&Device::cpu(), 600, &[1, 10, 50, 257, 500]);
+}
+
+/// Shared memory full of rubbish, and lanes in another order.
+#[test]
+fn the_order_of_lanes_does_not_show() {
+    for order in [LaneOrder::Reversed, LaneOrder::Shuffled(1)] {
+        check_all(&Device::cpu_with_order(order), 150, &[7, 70]);
+    }
 }
 
 #[test]

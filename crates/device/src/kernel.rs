@@ -20,6 +20,16 @@ pub enum Access {
     In,
     /// Records, written and not read.
     Out,
+    /// Records, changed in place: read and written.
+    InOut,
+}
+
+impl Access {
+    /// Whether the stage changes the buffer.
+    #[must_use]
+    pub fn writes(self) -> bool {
+        matches!(self, Self::Out | Self::InOut)
+    }
 }
 
 /// A buffer of a stage.
@@ -116,6 +126,9 @@ macro_rules! bind {
     (Out $t:ty, $bound:expr) => {
         $bound.write::<$t>()
     };
+    (InOut $t:ty, $bound:expr) => {
+        $bound.write::<$t>()
+    };
 }
 
 /// Hands a buffer to a body: each call has its own handle of what is written.
@@ -127,6 +140,9 @@ macro_rules! pass {
         $arg
     };
     (Out $arg:ident) => {
+        &mut $arg.clone()
+    };
+    (InOut $arg:ident) => {
         &mut $arg.clone()
     };
 }

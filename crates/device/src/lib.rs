@@ -167,6 +167,12 @@ impl Device {
         }
     }
 
+    /// The largest buffer that it takes, bytes.
+    #[must_use]
+    pub fn largest_buffer(&self) -> u64 {
+        self.gpu_half().map_or(u64::MAX, Gpu::largest_buffer)
+    }
+
     fn cpu_half(&self) -> Option<&Cpu> {
         match &self.backend {
             Backend::Cpu(cpu) | Backend::Twin(cpu, _, _) => Some(cpu),

@@ -1,7 +1,7 @@
 //! Plans: what is to be done, as data.
 
 use crate::buffer::Buffer;
-use crate::kernel::{Access, Kernel};
+use crate::kernel::Kernel;
 
 /// A list of stages over buffers, executed in order. Each stage sees what the ones before it wrote.
 #[derive(Clone, Default)]
@@ -55,12 +55,12 @@ impl Plan {
     /// Runs a kernel with `groups` workgroups.
     ///
     /// # Panics
-    /// If the number of buffers is not the kernel's, or if the kernel would write a buffer that it also reads.
+    /// If the number of buffers is not the kernel's, or if the kernel would write a buffer that it is given twice.
     pub fn groups(&mut self, kernel: Kernel, groups: u32, buffers: &[&Buffer]) {
         let bindings = kernel.bindings();
         assert_eq!(bindings.len(), buffers.len(), "{}: number of buffers", kernel.entry_point());
         for (i, (written, binding)) in buffers.iter().zip(bindings).enumerate() {
-            if binding.access == Access::Out {
+            if binding.access.writes() {
                 let shared = buffers.iter().enumerate().any(|(j, other)| i != j && written.is(other));
                 assert!(!shared, "{}: `{}` is written and bound twice", kernel.entry_point(), binding.name);
             }

@@ -5,7 +5,7 @@ use caustic_kernels::gather::GatherParams;
 use caustic_kernels::grid::{Grid, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
-use caustic_kernels::rivals::SearchParams;
+use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
     BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
@@ -41,6 +41,7 @@ records! {
     Row: "uuf",
     GatherParams: "uuf",
     SearchParams: "uuuf",
+    BruteParams: "uuuuuf",
     RadixPass: "uuuu",
     ScanParams: "uu",
     PhotonPass: "uuuuuu",

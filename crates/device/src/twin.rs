@@ -2,7 +2,7 @@
 
 use crate::cpu::{Cpu, lock_read};
 use crate::gpu::Gpu;
-use crate::kernel::{Access, Kernel};
+use crate::kernel::Kernel;
 use crate::plan::{Plan, Step};
 use crate::timing::Timings;
 use crate::{Buffer, Difference, Result};
@@ -64,7 +64,7 @@ impl Comparisons {
         let mut state = self.state();
         state.alone |= self.from == Some(kernel);
         let mut difference = Difference::default();
-        for (buffer, binding) in buffers.iter().zip(kernel.bindings()).filter(|(_, b)| b.access == Access::Out) {
+        for (buffer, binding) in buffers.iter().zip(kernel.bindings()).filter(|(_, b)| b.access.writes()) {
             let expected = lock_read(buffer.on_cpu());
             let mut found = vec![0u32; expected.len()];
             gpu.read(buffer.name(), buffer.on_gpu(), bytemuck::cast_slice_mut(&mut found))?;

@@ -20,7 +20,8 @@
 //! costs more than using it. Nothing of it is read that was not written.
 //!
 //! An output is written through [`Store`] and never read by the stage that writes it, so the same body serves a plain
-//! slice on the GPU and a buffer shared between threads on the CPU.
+//! slice on the GPU and a buffer shared between threads on the CPU. What a stage changes in place it reads and writes through
+//! [`Update`], and then an element belongs to one invocation.
 //!
 //! [`Input`] and [`Local`] are a slice and an array here. The package `caustic-kernels-recorded` is made of the same bodies with
 //! others in their place, which write down what is accessed.
@@ -53,6 +54,19 @@ impl<T: Copy> Store<T> for [T] {
     #[inline]
     fn set(&mut self, i: u32, value: T) {
         self[i as usize] = value;
+    }
+}
+
+/// A buffer that a stage changes in place: one invocation of the stage reads and writes element `i`, and no other does either.
+pub trait Update<T>: Store<T> {
+    /// Reads element `i`.
+    fn get(&self, i: u32) -> T;
+}
+
+impl<T: Copy> Update<T> for [T] {
+    #[inline]
+    fn get(&self, i: u32) -> T {
+        self[i as usize]
     }
 }
 

@@ -10,7 +10,7 @@
 ///   in which each lane has its own column) or `gather (container)` (like `each`, with a container of candidates as its first
 ///   parameter);
 /// * a parameter `b name: Access T` is the buffer of binding `b`: `One T` a single record and `In T` a slice, both read;
-///   `Out T` a slice that the stage writes and does not read.
+///   `Out T` a slice that the stage writes and does not read; `InOut T` a slice that it changes in place.
 ///
 /// A body may be followed by its generic arguments. The order of the bindings is the order of the body's parameters. This list is the only place that says which buffers
 /// a stage has.
@@ -154,6 +154,51 @@ macro_rules! stages {
                 0 params: One SearchParams, 1 photons: In Photon, 2 power: In u32, 3 neighbours: In Neighbour, 4 counts: In u32,
                 5 irradiance: Out Irradiance
             ) = rivals::estimate_of_neighbours;
+            group([f32; 3]; BruteTile) BruteDistance = brute_distance [256] (
+                0 params: One BruteParams, 1 queries: In Query, 2 photons: In Photon, 3 distances: Out f32
+            ) = rivals::brute_distance;
+            each BruteInsertionSort = brute_insertion_sort [64] (
+                0 params: One BruteParams, 1 distances: InOut f32, 2 indices: InOut u32, 3 sorted: Out u32
+            ) = rivals::brute_insertion_sort;
+            each BruteCombSort = brute_comb_sort [64] (
+                0 params: One BruteParams, 1 distances: InOut f32, 2 indices: InOut u32, 3 sorted: Out u32
+            ) = rivals::brute_comb_sort;
+            each BruteCopy = brute_copy [256] (
+                0 params: One BruteParams, 1 queries: In Query, 2 distances: In f32, 3 indices: In u32, 4 sorted: In u32,
+                5 neighbours: Out Neighbour, 6 counts: Out u32
+            ) = rivals::brute_copy;
+            group(CellsRegisters<17>; [u32; cells_words(17)]) CellsNeighbours17 = cells_neighbours_17 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
+            group(CellsRegisters<65>; [u32; cells_words(65)]) CellsNeighbours65 = cells_neighbours_65 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
+            group(CellsRegisters<257>; [u32; cells_words(257)]) CellsNeighbours257 = cells_neighbours_257 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
+            group(CellsRegisters<1025>; [u32; cells_words(1025)]) CellsNeighbours1025 = cells_neighbours_1025 [32] (
+                0 params: One SearchParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 sites: In Site,
+                5 begins: In u32, 6 neighbours: Out Neighbour, 7 counts: Out u32
+            ) = rivals::cells_neighbours;
+            gather(Heap<17>) JensenNeighbours17 = jensen_neighbours_17 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
+            ) = rivals::jensen_neighbours;
+            gather(Heap<65>) JensenNeighbours65 = jensen_neighbours_65 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
+            ) = rivals::jensen_neighbours;
+            gather(Heap<257>) JensenNeighbours257 = jensen_neighbours_257 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
+            ) = rivals::jensen_neighbours;
+            gather(Heap<1025>) JensenNeighbours1025 = jensen_neighbours_1025 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
+                4 counts: Out u32
+            ) = rivals::jensen_neighbours;
 
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
@@ -193,7 +238,7 @@ macro_rules! stages {
                 0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 words: Out u32
             ) = probe::layout_grid;
             each LayoutRivals = layout_rivals [64] (
-                0 search: In SearchParams, 1 words: Out u32
+                0 search: In SearchParams, 1 brute: In BruteParams, 2 words: Out u32
             ) = probe::layout_rivals;
             each LayoutSort = layout_sort [64] (
                 0 radix: In RadixPass, 1 scan: In ScanParams, 2 pass: In PhotonPass, 3 targets: In Target, 4 words: Out u32

@@ -99,6 +99,12 @@ impl PhotonMap {
         [&self.sites, &self.arrivals, &self.begins]
     }
 
+    /// What a search by other means needs: the grid, its rows of cells, the sites and where each table entry begins.
+    #[must_use]
+    pub fn search_buffers(&self) -> [&Buffer; 4] {
+        [&self.grid_buffer, &self.rows, &self.sites, &self.begins]
+    }
+
     /// Bytes that the map takes on its device.
     #[must_use]
     pub fn bytes(&self) -> u64 {

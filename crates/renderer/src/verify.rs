@@ -15,8 +15,8 @@ use serde::Serialize;
 const PAIRS: u32 = 1 << 18;
 /// Photons of the synthetic maps: so few that a sorted list of them stays within the 65,535 steps that llvmpipe allows.
 const PHOTONS: u32 = 2500;
-/// Photons that other techniques search: a sorted array of all distances takes many steps.
-const PHOTONS_OF_RIVALS: u32 = 600;
+/// Photons that other techniques search: insertion sort of all their distances takes many steps.
+const PHOTONS_OF_RIVALS: u32 = 320;
 /// Queries of the synthetic maps.
 const QUERIES: u32 = 400;
 /// Photons sought: one number for each compiled capacity.
@@ -298,6 +298,6 @@ mod tests {
             }
             assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
         }
-        assert_eq!(records, 21);
+        assert_eq!(records, 23);
     }
 }

@@ -36,15 +36,7 @@ impl HashIndex {
     ) -> Result<Self, MapError> {
         let cell = (cells != Cells::Crowding).then_some(radius);
         let options = MapOptions { radius, hash, table, cell };
-        let grid = plan_grid(photons.low, photons.high, u64::from(photons.count), &photons.sample, &options)?;
-        let mut rows = rows(&grid);
-        if matches!(cells, Cells::CentreFirst | Cells::InOrder) {
-            in_order(&mut rows, cells == Cells::CentreFirst);
-        }
-        let mut plan = Plan::new();
-        let map = PhotonMap::plan_with_rows(device, &mut plan, &photons.buffer, grid, &rows)?;
-        device.run(&plan)?;
-        Ok(Self { map, gather })
+        Ok(Self { map: build_map(device, photons, &options, cells)?, gather })
     }
 }
 
@@ -68,6 +60,24 @@ impl PhotonIndex for HashIndex {
     fn bytes(&self) -> u64 {
         self.map.bytes()
     }
+}
+
+/// Builds a photon map.
+pub(crate) fn build_map(
+    device: &Device,
+    photons: &Photons,
+    options: &MapOptions,
+    cells: Cells,
+) -> Result<PhotonMap, MapError> {
+    let grid = plan_grid(photons.low, photons.high, u64::from(photons.count), &photons.sample, options)?;
+    let mut rows = rows(&grid);
+    if matches!(cells, Cells::CentreFirst | Cells::InOrder) {
+        in_order(&mut rows, cells == Cells::CentreFirst);
+    }
+    let mut plan = Plan::new();
+    let map = PhotonMap::plan_with_rows(device, &mut plan, &photons.buffer, grid, &rows)?;
+    device.run(&plan)?;
+    Ok(map)
 }
 
 #[cfg(test)]

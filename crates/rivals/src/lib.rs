@@ -21,11 +21,15 @@
 //! # Ok::<(), caustic_photon_map::MapError>(())
 //! ```
 
+mod brute;
+mod cells;
 mod hash;
+mod jensen;
 mod photons;
 mod search;
 mod technique;
 
+pub use brute::{BruteForce, BruteSort};
 pub use hash::Cells;
 pub use photons::Photons;
 pub use search::{irradiance, k_nearest};

@@ -1,9 +1,12 @@
 //! The techniques by name.
 
+use crate::brute::{BruteForce, BruteSort};
+use crate::cells::CellsIndex;
 use crate::hash::HashIndex;
+use crate::jensen::JensenTree;
 use crate::{Cells, PhotonIndex, Photons};
 use caustic_device::Device;
-use caustic_photon_map::{Gather, Hash, MapError};
+use caustic_photon_map::{Gather, Hash, MapError, MapOptions};
 
 /// A way to find photons.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +21,18 @@ pub enum Technique {
         cells: Cells,
         /// How the nearest are selected.
         gather: Gather,
+    },
+    /// Brute force (section 2.2).
+    Brute {
+        /// How distances are sorted.
+        sort: BruteSort,
+    },
+    /// Jensen's kd-tree, built by the CPU on any device (sections 2.1.2 and 4.3).
+    Jensen,
+    /// Spatial hashing with each cell in a thread of its own (section 5.6).
+    Cells {
+        /// The hash function.
+        hash: Hash,
     },
 }
 
@@ -35,6 +50,12 @@ impl Technique {
         Self::hash(Hash::Morton, Cells::Crowding, Gather::Histogram),
         Self::hash(Hash::Morton, Cells::Radius, Gather::Heap),
         Self::hash(Hash::Morton, Cells::CentreFirst, Gather::List),
+        Self::Brute { sort: BruteSort::Insertion },
+        Self::Brute { sort: BruteSort::Comb },
+        Self::Jensen,
+        Self::Cells { hash: Hash::Linear },
+        Self::Cells { hash: Hash::Teschner },
+        Self::Cells { hash: Hash::Morton },
     ];
 
     /// Spatial hashing with a table of the size that caustic chooses.
@@ -52,6 +73,13 @@ impl Technique {
             Self::Hash { hash, table, cells, gather } => {
                 Ok(Box::new(HashIndex::build(device, photons, radius, hash, table, cells, gather)?))
             }
+            Self::Brute { sort } => Ok(Box::new(BruteForce::new(photons, radius, sort, None)?)),
+            Self::Jensen => Ok(Box::new(JensenTree::build(device, photons, radius)?)),
+            Self::Cells { hash } => {
+                // As wide as the radius: the thesis has 27 cells to share out.
+                let options = MapOptions { radius, hash, table: None, cell: Some(radius) };
+                Ok(Box::new(CellsIndex::build(device, photons, &options)?))
+            }
         }
     }
 
@@ -59,7 +87,7 @@ impl Technique {
     #[must_use]
     pub fn runs_on(self, _device: &Device) -> bool {
         match self {
-            Self::Hash { .. } => true,
+            Self::Hash { .. } | Self::Brute { .. } | Self::Jensen | Self::Cells { .. } => true,
         }
     }
 }

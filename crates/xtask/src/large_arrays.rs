@@ -30,32 +30,25 @@ pub fn leave_undefined(module: &mut Module) -> Result<()> {
         for block in &mut function.blocks {
             let mut instructions = Vec::with_capacity(block.instructions.len());
             for inst in block.instructions.drain(..) {
-                let parts = (inst.class.opcode == Op::Store)
+                let whole = (inst.class.opcode == Op::Store)
                     .then(|| made.get(&inst.operands[1].unwrap_id_ref()))
                     .flatten()
-                    .and_then(|made| Some((made, types.members(made.result_type?)?)));
-                let Some((made, members)) = parts else {
+                    .filter(|made| made.result_type.is_some_and(|id| types.has_large_array(id)));
+                let Some(whole) = whole else {
                     instructions.push(inst);
                     continue;
                 };
-                let kept: Vec<_> = (0..).zip(&members).filter(|&(_, &member)| !types.is_large_array(member)).collect();
-                if kept.len() == members.len() {
-                    instructions.push(inst);
-                    continue;
-                }
                 changed = true;
-                for (i, &member) in kept {
+                let mut parts = Vec::new();
+                types.kept(whole, &made, &[], &mut parts);
+                for (path, member, value) in parts {
                     let pointer = types.pointer(member);
-                    let index = types.index(i).context("the module has no u32")?;
                     let place = types.new_id();
-                    let variable = inst.operands[0].clone();
-                    instructions.push(Instruction::new(
-                        Op::AccessChain,
-                        Some(pointer),
-                        Some(place),
-                        vec![variable, Operand::IdRef(index)],
-                    ));
-                    let value = made.operands[i as usize].clone();
+                    let mut operands = vec![inst.operands[0].clone()];
+                    for i in path {
+                        operands.push(Operand::IdRef(types.index(i).context("the module has no u32")?));
+                    }
+                    instructions.push(Instruction::new(Op::AccessChain, Some(pointer), Some(place), operands));
                     instructions.push(Instruction::new(Op::Store, None, None, vec![Operand::IdRef(place), value]));
                 }
             }
@@ -105,6 +98,32 @@ impl Types<'_> {
         length.is_some_and(|length| matches!(length.operands[0], Operand::LiteralBit32(n) if n > SMALL))
     }
 
+    /// Whether a struct has one, or has a struct that has one.
+    fn has_large_array(&self, id: u32) -> bool {
+        let members = self.members(id).unwrap_or_default();
+        members.into_iter().any(|member| self.is_large_array(member) || self.has_large_array(member))
+    }
+
+    /// What a struct keeps of its values: where each lies in it, its type and the value.
+    fn kept(
+        &self,
+        whole: &Instruction,
+        made: &BTreeMap<u32, Instruction>,
+        path: &[u32],
+        parts: &mut Vec<(Vec<u32>, u32, Operand)>,
+    ) {
+        let members = whole.result_type.and_then(|id| self.members(id)).unwrap_or_default();
+        for ((i, member), value) in (0..).zip(members).zip(&whole.operands) {
+            let path = [path, &[i]].concat();
+            let inner = made.get(&value.unwrap_id_ref()).filter(|_| self.has_large_array(member));
+            if let Some(inner) = inner {
+                self.kept(inner, made, &path, parts);
+            } else if !self.is_large_array(member) {
+                parts.push((path, member, value.clone()));
+            }
+        }
+    }
+
     fn known(&self, same: impl Fn(&Instruction) -> bool) -> Option<u32> {
         self.globals.values().chain(&self.module_types).find(|inst| same(inst)).and_then(|inst| inst.result_id)
     }
@@ -138,17 +157,21 @@ mod tests {
     use super::*;
     use crate::testing::kernel;
 
-    /// A kernel that stores a struct of an array of `length` and a float in a variable.
-    fn stores_left(length: u32) -> (usize, usize) {
+    /// A kernel that stores a struct of an array of `length` and a float in a variable, or a struct of that and another float.
+    fn stores_left(length: u32, nested: bool) -> (usize, usize) {
         let mut module = kernel(|b, float, x| {
             let word = b.type_int(32, 0);
             let n = b.constant_bit32(word, length);
             let array = b.type_array(float, n);
-            let record = b.type_struct([array, float]);
-            let pointer = b.type_pointer(None, StorageClass::Function, record);
+            let mut record = b.type_struct([array, float]);
             let elements: Vec<u32> = (0..length).map(|_| x).collect();
             let all = b.composite_construct(array, None, elements).unwrap();
-            let value = b.composite_construct(record, None, [all, x]).unwrap();
+            let mut value = b.composite_construct(record, None, [all, x]).unwrap();
+            if nested {
+                record = b.type_struct([float, record]);
+                value = b.composite_construct(record, None, [x, value]).unwrap();
+            }
+            let pointer = b.type_pointer(None, StorageClass::Function, record);
             let variable = b.variable(pointer, None, StorageClass::Function, None);
             b.store(variable, value, None, []).unwrap();
         });
@@ -159,9 +182,11 @@ mod tests {
 
     #[test]
     fn small_arrays_keep_their_values_and_large_ones_do_not() {
-        let (stores, composites) = stores_left(32);
+        let (stores, composites) = stores_left(32, false);
         assert_eq!(composites, 2);
         // One store in place of the other: that of the float.
-        assert_eq!(stores_left(33), (stores, 0));
+        assert_eq!(stores_left(33, false), (stores, 0));
+        assert_eq!(stores_left(32, true), (stores, 3));
+        assert_eq!(stores_left(33, true), (stores + 1, 0), "two floats");
     }
 }

@@ -111,7 +111,7 @@ impl Cpu {
                         .zip(buffers)
                         .map(|(binding, buffer)| match binding.access {
                             Access::One | Access::In => Guard::Read(lock_read(buffer.on_cpu())),
-                            Access::Out => Guard::Write(lock_write(buffer.on_cpu())),
+                            Access::Out | Access::InOut => Guard::Write(lock_write(buffer.on_cpu())),
                         })
                         .collect();
                     let bound: Vec<_> = guards

@@ -5,7 +5,7 @@
 //! that a test can see, never undefined behaviour.
 
 use bytemuck::Pod;
-use caustic_kernels::exec::Store;
+use caustic_kernels::exec::{Store, Update};
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use zerocopy::{FromBytes, IntoBytes};
@@ -61,5 +61,18 @@ impl<T: Pod> Store<T> for SharedMut<'_, T> {
         for (to, &from) in self.words[first..first + words.len()].iter().zip(words) {
             to.store(from, Relaxed);
         }
+    }
+}
+
+impl<T: Pod> Update<T> for SharedMut<'_, T> {
+    #[inline]
+    fn get(&self, i: u32) -> T {
+        let mut value = T::zeroed();
+        let words: &mut [u32] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut value));
+        let first = i as usize * words.len();
+        for (to, from) in words.iter_mut().zip(&self.words[first..]) {
+            *to = from.load(Relaxed);
+        }
+        value
     }
 }

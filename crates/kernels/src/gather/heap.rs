@@ -5,6 +5,7 @@ use crate::exec::{Input, Local, local};
 use crate::layout::Site;
 
 /// The `k ≤ N` first candidates, the last of them on top (Cormen, Leiserson and Rivest, chapter 6).
+#[derive(Clone)]
 pub struct Heap<const N: usize> {
     distances2: Local<f32, N>,
     slots: Local<u32, N>,

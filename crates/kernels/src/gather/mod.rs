@@ -24,7 +24,7 @@ pub use heap::Heap;
 pub use list::SortedList;
 pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
 pub(crate) use power::Power;
-pub use search::{distance2, root_above, search};
+pub use search::{distance2, root_above, search, search_share};
 
 use crate::exec::Input;
 use crate::layout::Site;

@@ -51,12 +51,31 @@ pub fn search<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates
     output: &mut O,
     candidates: &mut C,
 ) -> bool {
+    search_share::<LINEAR, _, _, _, _>(0, 1, position, grid, rows, sites, arrivals, begins, memory, output, candidates)
+}
+
+/// The share of a [`search`] that has each `step`-th row from row `first` on: as many shares as `step` are the whole.
+#[inline]
+#[must_use]
+pub fn search_share<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
+    first: u32,
+    step: u32,
+    position: [f32; 3],
+    grid: &Grid,
+    rows: &Input<Row>,
+    sites: &Input<Site>,
+    arrivals: &A,
+    begins: &Input<u32>,
+    memory: &mut M,
+    output: &mut O,
+    candidates: &mut C,
+) -> bool {
     let c = coordinates(grid, position);
     let centre_y = axis_cell(c[1], grid.cells[1]) as i32 - MAX_REACH as i32;
     let centre_z = axis_cell(c[2], grid.cells[2]) as i32 - MAX_REACH as i32;
     let last = (grid.cells[0] - 1) as f32;
     let mut whole = true;
-    let mut n = 0;
+    let mut n = first;
     let mut end_of_rows = grid.rows;
     while n < end_of_rows {
         let row = rows[n as usize];
@@ -136,7 +155,7 @@ pub fn search<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates
                 candidates.settle(memory);
             }
         }
-        n += 1;
+        n += step;
     }
     whole && n >= end_of_rows
 }

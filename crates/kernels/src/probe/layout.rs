@@ -8,7 +8,7 @@ use crate::exec::{Input, Store};
 use crate::gather::GatherParams;
 use crate::grid::{Grid, Row};
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
-use crate::rivals::SearchParams;
+use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
     BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
@@ -93,7 +93,8 @@ layouts! {
     );
     /// Records of other techniques.
     layout_rivals(
-        search: SearchParams { queries, k, photons, radius2 }
+        search: SearchParams { queries, k, photons, radius2 },
+        brute: BruteParams { first, queries, columns, photons, k, radius2 }
     );
     /// Records of sorting, and of emission.
     layout_sort(

@@ -2,9 +2,17 @@
 //!
 //! They return what a photon map returns: the k nearest within a radius, ordered by (squared distance, index of the photon).
 
+mod brute;
+mod cells;
 mod estimate;
+mod jensen;
 
+pub use brute::{
+    BRUTE_TILE, BruteParams, BruteTile, brute_comb_sort, brute_copy, brute_distance, brute_insertion_sort,
+};
+pub use cells::{CELLS_LANES, CellsRegisters, cells_neighbours, cells_words};
 pub use estimate::estimate_of_neighbours;
+pub use jensen::{jensen_neighbours, jensen_word};
 
 use bytemuck::{Pod, Zeroable};
 
