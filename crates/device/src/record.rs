@@ -6,6 +6,7 @@ use caustic_kernels::grid::{Grid, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
 use caustic_kernels::rivals::SearchParams;
+use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
     BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
@@ -41,6 +42,11 @@ records! {
     Row: "uuf",
     GatherParams: "uuf",
     SearchParams: "uuuf",
+    KdLevel: "uuuuf",
+    KdLarge: "uuuffffff",
+    KdSplit: "uuu",
+    KdSmall: "uuu",
+    KdRadius: "uuuuf",
     RadixPass: "uuuu",
     ScanParams: "uu",
     PhotonPass: "uuuuuu",

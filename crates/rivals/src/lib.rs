@@ -22,11 +22,13 @@
 //! ```
 
 mod hash;
+mod kd;
 mod photons;
 mod search;
 mod technique;
 
 pub use hash::Cells;
+pub use kd::{KD_HISTOGRAMS, KdSearch, KdTree, RadiusError, radius_error};
 pub use photons::Photons;
 pub use search::{irradiance, k_nearest};
 pub use technique::Technique;

@@ -1,6 +1,7 @@
 //! The techniques by name.
 
 use crate::hash::HashIndex;
+use crate::kd::{KdSearch, KdTree};
 use crate::{Cells, PhotonIndex, Photons};
 use caustic_device::Device;
 use caustic_photon_map::{Gather, Hash, MapError};
@@ -19,6 +20,11 @@ pub enum Technique {
         /// How the nearest are selected.
         gather: Gather,
     },
+    /// A kd-tree (section 2.3).
+    KdTree {
+        /// How it is searched.
+        search: KdSearch,
+    },
 }
 
 impl Technique {
@@ -35,6 +41,8 @@ impl Technique {
         Self::hash(Hash::Morton, Cells::Crowding, Gather::Histogram),
         Self::hash(Hash::Morton, Cells::Radius, Gather::Heap),
         Self::hash(Hash::Morton, Cells::CentreFirst, Gather::List),
+        Self::KdTree { search: KdSearch::Nearest },
+        Self::KdTree { search: KdSearch::Range },
     ];
 
     /// Spatial hashing with a table of the size that caustic chooses.
@@ -52,6 +60,7 @@ impl Technique {
             Self::Hash { hash, table, cells, gather } => {
                 Ok(Box::new(HashIndex::build(device, photons, radius, hash, table, cells, gather)?))
             }
+            Self::KdTree { search } => Ok(Box::new(KdTree::build(device, photons, radius, search)?)),
         }
     }
 
@@ -59,7 +68,7 @@ impl Technique {
     #[must_use]
     pub fn runs_on(self, _device: &Device) -> bool {
         match self {
-            Self::Hash { .. } => true,
+            Self::Hash { .. } | Self::KdTree { .. } => true,
         }
     }
 }

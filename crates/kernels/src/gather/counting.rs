@@ -20,7 +20,7 @@ use crate::layout::{Arrival, Irradiance, Query, Site};
 /// Lanes of a workgroup that shares out columns.
 pub const COLUMN_LANES: u32 = 64;
 /// Bins of a count, two to a word.
-pub(super) const BINS: u32 = 32;
+pub(crate) const BINS: u32 = 32;
 /// Words of a lane for counters, or for a list.
 pub(super) const WORDS: u32 = 16;
 /// Most that a bin counts. More is not asked for.
@@ -45,7 +45,7 @@ pub(super) fn count_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, 
 
 /// Counts one more, unless that is too many for a bin; returns how many.
 #[inline]
-fn count<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32, bin: u32) -> u32 {
+pub(crate) fn count<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32, bin: u32) -> u32 {
     let word = at(from + bin % WORDS, lane);
     let shift = bin & WORDS;
     let counts = memory[word];
@@ -213,7 +213,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
 }
 
 #[inline]
-fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
+pub(crate) fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
     let mut word = 0;
     while word < WORDS {
         memory[at(from + word, lane)] = 0;
@@ -224,7 +224,7 @@ fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
 /// The bin that holds the `rank`-th of what was counted from word `from` on (from 1; [`BINS`] if there are fewer), how many are in bins before it,
 /// and how many in it.
 #[inline]
-fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) -> (u32, u32, u32) {
+pub(crate) fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) -> (u32, u32, u32) {
     let mut bin = 0;
     let mut before = 0;
     let mut inside = count_of(memory, lane, from, 0);

@@ -13,6 +13,7 @@ mod neighbours;
 mod power;
 mod search;
 
+pub(crate) use counting::{BINS, bin_of, clear, count};
 pub use counting::{COLUMN_LANES, Columns, gather_irradiance_by_counting};
 pub use density::gather_density;
 pub(crate) use estimate::over_disc;

@@ -9,6 +9,7 @@ use crate::gather::GatherParams;
 use crate::grid::{Grid, Row};
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
 use crate::rivals::SearchParams;
+use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
     BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
@@ -94,6 +95,14 @@ layouts! {
     /// Records of other techniques.
     layout_rivals(
         search: SearchParams { queries, k, photons, radius2 }
+    );
+    /// Records of the kd-tree.
+    layout_kd(
+        level: KdLevel { photons, nodes, level, roots, radius },
+        large: KdLarge { begin, photons, place, low, high },
+        split: KdSplit { begin, left, axis },
+        small: KdSmall { begin, set, place },
+        radius: KdRadius { queries, k, photons, iterations, radius }
     );
     /// Records of sorting, and of emission.
     layout_sort(

@@ -3,8 +3,13 @@
 //! They return what a photon map returns: the k nearest within a radius, ordered by (squared distance, index of the photon).
 
 mod estimate;
+pub mod kd;
 
 pub use estimate::estimate_of_neighbours;
+pub use kd::{
+    KdLarge, KdLevel, KdRadius, KdSmall, KdSplit, kd_begin, kd_classify, kd_compact, kd_hand_out, kd_keys,
+    kd_list_sides, kd_masks, kd_members, kd_move, kd_nearest, kd_radius, kd_range, kd_split_large, kd_split_small,
+};
 
 use bytemuck::{Pod, Zeroable};
 
