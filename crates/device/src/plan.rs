@@ -39,6 +39,11 @@ impl Plan {
         if self.scope.is_empty() { name.to_string() } else { format!("{}/{name}", self.scope) }
     }
 
+    /// Appends the stages of another plan, under their names there.
+    pub fn append(&mut self, other: &Self) {
+        self.steps.extend_from_slice(&other.steps);
+    }
+
     /// Fills a buffer with zeros.
     pub fn clear(&mut self, buffer: &Buffer) {
         self.steps.push(Step::Clear { stage: self.stage("clear"), buffer: buffer.clone() });

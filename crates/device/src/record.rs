@@ -5,6 +5,7 @@ use caustic_kernels::gather::GatherParams;
 use caustic_kernels::grid::{Grid, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
+use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
@@ -42,6 +43,11 @@ records! {
     GatherParams: "uuf",
     SearchParams: "uuuf",
     BruteParams: "uuuuuf",
+    KdLevel: "uuuuf",
+    KdLarge: "uuuffffff",
+    KdSplit: "uuu",
+    KdSmall: "uuu",
+    KdRadius: "uuuuf",
     RadixPass: "uuuu",
     ScanParams: "uu",
     PhotonPass: "uuuuuu",

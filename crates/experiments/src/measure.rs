@@ -8,15 +8,20 @@ use crate::subject::Subject;
 use caustic_bench::measure::{Policy, Spread, repeat};
 use caustic_bench::{Digest, Trouble};
 use caustic_device::{Buffer, Device};
+use caustic_kernels::gather::GATHER_LANES;
 use caustic_kernels::layout::{Neighbour, Query};
 use caustic_photon_map::whole;
-use caustic_rivals::PhotonIndex;
+use caustic_recorder::Recorder;
+use caustic_rivals::{KdSearch, KdTree, PhotonIndex, Photons, radius_error};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Bytes of neighbours that a search returns at once: more queries are searched in parts.
 const MOST_FOUND: u64 = 1 << 29;
+
+/// Lanes of a warp.
+const WARP: u32 = 32;
 
 /// What came of a case, with the SHA-256 of what was found.
 pub(crate) type Measured = (Outcome, Option<String>);
@@ -31,9 +36,9 @@ pub(crate) fn measure(
 ) -> Result<Measured, Trouble> {
     let measured = match case.what {
         What::Speed => speed(stage, subject, case, quick),
-        What::Access => Err(Trouble::Skip("not recorded".to_string())),
+        What::Access => access(stage, subject, case),
         What::Picture => picture::measure(stage, subject, case, folder),
-        What::Radius => Err(Trouble::Skip("not measured".to_string())),
+        What::Radius => radius(stage, case),
     };
     match measured {
         Err(Trouble::Skip(reason)) => Ok((Outcome::Skipped(reason), None)),
@@ -85,6 +90,57 @@ fn speed(stage: &mut Stage, subject: &Subject, case: &Case, quick: bool) -> Resu
     }
     let found = digest(device, index.as_ref(), &parts, case.k)?;
     Ok((Outcome::Values(values), Some(found)))
+}
+
+/// Workgroups of a search that are recorded: enough for counts to settle.
+const RECORDED: u32 = 100;
+
+/// Memory accesses, by a recorder, whatever the device. Of many workgroups some are recorded, and counts are scaled to all.
+fn access(stage: &mut Stage, subject: &Subject, case: &Case) -> Result<Measured, Trouble> {
+    let queries = stage.look(case.size)?.to_vec();
+    let photons = stage.first(case.map, case.photons)?;
+    let recorder = Recorder::every(WARP, (case.queries() / GATHER_LANES / RECORDED).max(1));
+    let device = recorder.device();
+    let photons = Photons::upload(&device, &photons)?;
+    let index = subject.technique.build(&device, &photons, case.radius())?;
+    let mut values = BTreeMap::new();
+    counts(&mut values, "build", &recorder);
+    let parts = parts(&device, &queries, case.k)?;
+    search(&device, index.as_ref(), &parts, case.k)?;
+    counts(&mut values, "search", &recorder);
+    Ok((Outcome::Values(values), None))
+}
+
+/// What was recorded since the last time, scaled to all workgroups.
+fn counts(values: &mut BTreeMap<String, f64>, of: &str, recorder: &Recorder) {
+    let mut add = |name: String, count: f64| *values.entry(name).or_insert(0.0) += count.round();
+    for stage in recorder.report() {
+        let all = f64::from(stage.groups as u32) / f64::from(stage.recorded_groups.max(1) as u32);
+        add(format!("{of}_excess_sectors"), stage.total.excess as f64 * all);
+        add(format!("{of}_sectors"), stage.total.sectors as f64 * all);
+        let local = stage.local_loads + stage.local_stores;
+        add(format!("{of}_local_accesses"), local as f64 * all);
+        if local > 0 {
+            add(format!("{of}_local/{}", stage.kernel), local as f64 * all);
+        }
+    }
+    recorder.reset();
+}
+
+/// How far the radius of the kd-tree's search is from that of the k-th neighbour, after one to four histograms.
+fn radius(stage: &mut Stage, case: &Case) -> Result<Measured, Trouble> {
+    stage.look(case.size)?;
+    stage.photons(case.map, case.photons, false)?;
+    let (device, photons, (_, queries)) = (stage.device_of(false), stage.uploaded(), stage.view());
+    let tree = KdTree::build(device, photons, case.radius(), KdSearch::Range)?;
+    let mut values = BTreeMap::new();
+    for rounds in 1..=4 {
+        let error = radius_error(device, &tree, queries, case.k, rounds)?;
+        values.insert(format!("mean_error_{rounds}"), error.mean);
+        values.insert(format!("most_error_{rounds}"), error.max);
+        values.insert("queries".to_string(), error.queries as f64);
+    }
+    Ok((Outcome::Values(values), None))
 }
 
 fn times(values: &mut BTreeMap<String, f64>, of: &str, runs: &[(f64, f64)]) {

@@ -7,6 +7,7 @@ use crate::stage::Stage;
 use crate::store::Outcome;
 use crate::subject::Subject;
 use caustic_bench::Trouble;
+use caustic_metrics as metrics;
 use caustic_renderer::output::{self, Image};
 use image::ImageEncoder;
 use std::collections::BTreeMap;
@@ -49,7 +50,10 @@ pub(crate) fn png(results: &Results, case: &Case) -> Option<Vec<u8>> {
     Some(png.into_inner())
 }
 
-/// Number of pixels that look different from those of another subject's picture, by Yee's metric.
-pub(crate) fn perceptibly_different(_results: &Results, _case: &Case, _other: &str) -> Option<f64> {
-    None
+/// Number of pixels that look different from those of another subject's picture, by Yee's metric, if both were made.
+pub(crate) fn perceptibly_different(results: &Results, case: &Case, other: &str) -> Option<f64> {
+    let other = Case { subject: other.to_string(), ..case.clone() };
+    let read = |case: &Case| metrics::Image::read(&path(results.folder, case)).ok();
+    let metric = metrics::Metric::Yee(metrics::YeeOptions::default());
+    Some(metrics::compare(&read(case)?, &read(&other)?, metric).ok()?.value)
 }

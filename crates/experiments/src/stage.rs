@@ -56,16 +56,24 @@ impl<'a> Stage<'a> {
         let fits = |of: &Uploaded| of.map == map && of.count == count && of.on_cpu == on_cpu;
         if !self.uploaded.as_ref().is_some_and(fits) {
             self.uploaded = None;
-            self.trace(map, count)?;
-            let all = &self.traced[map as usize];
-            // Each of fewer photons carries more.
-            let share = all.len() as f32 / count as f32;
-            let scaled = |photon: &Photon| Photon { power: photon.power.map(|power| power * share), ..*photon };
-            let photons: Vec<Photon> = all[..count as usize].iter().map(scaled).collect();
+            let photons = self.first(map, count)?;
             let photons = Photons::upload(self.device_of(on_cpu), &photons)?;
             self.uploaded = Some(Uploaded { map, count, on_cpu, photons });
         }
         Ok(())
+    }
+
+    /// The first `count` photons of a map.
+    ///
+    /// # Errors
+    /// Those of devices.
+    pub fn first(&mut self, map: Map, count: u32) -> Result<Vec<Photon>, Trouble> {
+        self.trace(map, count)?;
+        let all = &self.traced[map as usize];
+        // Each of fewer photons carries more.
+        let share = all.len() as f32 / count as f32;
+        let scaled = |photon: &Photon| Photon { power: photon.power.map(|power| power * share), ..*photon };
+        Ok(all[..count as usize].iter().map(scaled).collect())
     }
 
     /// The photons that were put there last.

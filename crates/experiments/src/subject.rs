@@ -1,7 +1,7 @@
 //! Whom the experiments compare.
 
 use caustic_photon_map::{Gather, Hash};
-use caustic_rivals::{Cells, Technique};
+use caustic_rivals::{BruteSort, Cells, KdSearch, Technique};
 
 /// Entries of Teschner's table in the thesis. Section 4.3 says "2" and an exponent that the copies of the thesis at hand have lost; a table of
 /// 2¹⁶ entries shows the collisions "larger than 200,000" photons of section 5.3.1.
@@ -63,12 +63,18 @@ pub const CAUSTIC_TESCHNER: &str = "caustic-teschner";
 /// caustic's own with the Z-order curve.
 pub const CAUSTIC_MORTON: &str = "caustic-morton";
 
-/// All of them.
+/// All of them. The first ten have colours of their own in plots.
 pub const SUBJECTS: &[Subject] = &[
+    subject(KD, "kd-tree (Zhou et al.)", Technique::KdTree { search: KdSearch::Range }),
     subject(LINEAR, "linear hash, list (thesis)", Technique::hash(Hash::Linear, Cells::CentreFirst, Gather::List)),
     subject(TESCHNER, "Teschner hash, list (thesis)", teschner(TABLE, Gather::List)),
+    subject(CAUSTIC, "caustic", Technique::hash(Hash::Linear, Cells::Crowding, Gather::Auto)),
+    Subject { name: JENSEN, label: "kd-tree on the CPU (Jensen)", technique: Technique::Jensen, on_cpu: true },
+    subject(KD_NEAREST, "kd-tree, with a heap", Technique::KdTree { search: KdSearch::Nearest }),
     subject(TESCHNER_LARGE, "Teschner hash of 2²⁰, list", teschner(LARGE_TABLE, Gather::List)),
     subject(LINEAR_HEAP, "linear hash, heap", Technique::hash(Hash::Linear, Cells::CentreFirst, Gather::Heap)),
+    subject(BRUTE, "brute force, insertion sort", Technique::Brute { sort: BruteSort::Insertion }),
+    subject(CELLS, "linear hash, a lane a cell", Technique::Cells { hash: Hash::Linear }),
     subject(TESCHNER_HEAP, "Teschner hash, heap", teschner(TABLE, Gather::Heap)),
     subject(
         LINEAR_IN_ORDER,
@@ -80,7 +86,7 @@ pub const SUBJECTS: &[Subject] = &[
         "Teschner hash, list, cells in order",
         Technique::Hash { hash: Hash::Teschner, table: Some(TABLE), cells: Cells::InOrder, gather: Gather::List },
     ),
-    subject(CAUSTIC, "caustic", Technique::hash(Hash::Linear, Cells::Crowding, Gather::Auto)),
+    subject(BRUTE_COMB, "brute force, comb sort", Technique::Brute { sort: BruteSort::Comb }),
     subject(CAUSTIC_TESCHNER, "caustic, Teschner hash", Technique::hash(Hash::Teschner, Cells::Crowding, Gather::Auto)),
     subject(CAUSTIC_MORTON, "caustic, Morton hash", Technique::hash(Hash::Morton, Cells::Crowding, Gather::Auto)),
 ];

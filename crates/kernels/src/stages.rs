@@ -199,6 +199,76 @@ macro_rules! stages {
                 0 params: One SearchParams, 1 queries: In Query, 2 nodes: In Site, 3 neighbours: Out Neighbour,
                 4 counts: Out u32
             ) = rivals::jensen_neighbours;
+            each KdKeys = kd_keys [256] (
+                0 level: One KdLevel, 1 photons: In Photon, 2 x: Out u32, 3 y: Out u32, 4 z: Out u32
+            ) = rivals::kd_keys;
+            each KdBegin = kd_begin [256] (
+                0 level: One KdLevel, 1 x: In u32, 2 y: In u32, 3 z: In u32, 4 orders: Out u32, 5 owners: Out u32
+            ) = rivals::kd_begin;
+            each KdSplitLarge = kd_split_large [64] (
+                0 level: One KdLevel, 1 photons: In Photon, 2 orders: In u32, 3 nodes: In KdLarge, 4 splits: Out KdSplit,
+                5 children: Out KdLarge, 6 is_large: Out u32, 7 tree: Out Site
+            ) = rivals::kd_split_large;
+            each KdHandOut = kd_hand_out [64] (
+                0 level: One KdLevel, 1 children: In KdLarge, 2 is_large: In u32, 3 sums: In u32, 4 offsets: In u32,
+                5 next: Out KdLarge, 6 roots: Out KdSmall
+            ) = rivals::kd_hand_out;
+            each KdClassify = kd_classify [256] (
+                0 level: One KdLevel, 1 owners: In u32, 2 splits: In KdSplit, 3 orders: In u32, 4 is_large: In u32,
+                5 sums: In u32, 6 offsets: In u32, 7 sides: Out u32, 8 next_owners: Out u32
+            ) = rivals::kd_classify;
+            each KdListSides = kd_list_sides [256] (
+                0 level: One KdLevel, 1 orders: In u32, 2 sides: In u32, 3 flags: Out u32
+            ) = rivals::kd_list_sides;
+            each KdMove = kd_move [256] (
+                0 level: One KdLevel, 1 owners: In u32, 2 splits: In KdSplit, 3 orders: In u32, 4 flags: In u32,
+                5 sums: In u32, 6 offsets: In u32, 7 next_orders: Out u32
+            ) = rivals::kd_move;
+            each KdMembers = kd_members [256] (
+                0 level: One KdLevel, 1 photons: In Photon, 2 orders: In u32, 3 members: Out Site
+            ) = rivals::kd_members;
+            each KdMasks = kd_masks [64] (
+                0 level: One KdLevel, 1 owners: In u32, 2 roots: In KdSmall, 3 members: In Site, 4 masks: Out u32
+            ) = rivals::kd_masks;
+            each KdSplitSmall = kd_split_small [64] (
+                0 level: One KdLevel, 1 nodes: In KdSmall, 2 members: In Site, 3 masks: In u32, 4 lefts: Out u32,
+                5 is_split: Out u32, 6 tree: Out Site
+            ) = rivals::kd_split_small;
+            each KdCompact = kd_compact [256] (
+                0 level: One KdLevel, 1 nodes: In KdSmall, 2 lefts: In u32, 3 sums: In u32, 4 offsets: In u32,
+                5 next: Out KdSmall
+            ) = rivals::kd_compact;
+            columns(Columns) KdRadii = kd_radii [64] (
+                0 params: One KdRadius, 1 queries: In Query, 2 tree: In Site, 3 radii2: Out f32
+            ) = rivals::kd_radius;
+            gather(Heap<17>) KdNearest17 = kd_nearest_17 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 tree: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::kd_nearest;
+            gather(Heap<65>) KdNearest65 = kd_nearest_65 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 tree: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::kd_nearest;
+            gather(Heap<257>) KdNearest257 = kd_nearest_257 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 tree: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::kd_nearest;
+            gather(Heap<1025>) KdNearest1025 = kd_nearest_1025 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 tree: In Site, 3 neighbours: Out Neighbour, 4 counts: Out u32
+            ) = rivals::kd_nearest;
+            gather(Heap<17>) KdRange17 = kd_range_17 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 radii2: In f32, 3 tree: In Site, 4 neighbours: Out Neighbour,
+                5 counts: Out u32
+            ) = rivals::kd_range;
+            gather(Heap<65>) KdRange65 = kd_range_65 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 radii2: In f32, 3 tree: In Site, 4 neighbours: Out Neighbour,
+                5 counts: Out u32
+            ) = rivals::kd_range;
+            gather(Heap<257>) KdRange257 = kd_range_257 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 radii2: In f32, 3 tree: In Site, 4 neighbours: Out Neighbour,
+                5 counts: Out u32
+            ) = rivals::kd_range;
+            gather(Heap<1025>) KdRange1025 = kd_range_1025 [64] (
+                0 params: One SearchParams, 1 queries: In Query, 2 radii2: In f32, 3 tree: In Site, 4 neighbours: Out Neighbour,
+                5 counts: Out u32
+            ) = rivals::kd_range;
 
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
@@ -240,6 +310,10 @@ macro_rules! stages {
             each LayoutRivals = layout_rivals [64] (
                 0 search: In SearchParams, 1 brute: In BruteParams, 2 words: Out u32
             ) = probe::layout_rivals;
+            each LayoutKd = layout_kd [64] (
+                0 level: In KdLevel, 1 large: In KdLarge, 2 split: In KdSplit, 3 small: In KdSmall, 4 radius: In KdRadius,
+                5 words: Out u32
+            ) = probe::layout_kd;
             each LayoutSort = layout_sort [64] (
                 0 radix: In RadixPass, 1 scan: In ScanParams, 2 pass: In PhotonPass, 3 targets: In Target, 4 words: Out u32
             ) = probe::layout_sort;

@@ -5,7 +5,7 @@ use bytemuck::TransparentWrapper;
 use std::ops::{Index, IndexMut};
 use std::panic::Location;
 
-pub use caustic_kernels::exec::{Lanes, Store, TURN_ITEMS, TURN_VALUES, Turns};
+pub use caustic_kernels::exec::{Batch, Lanes, Many, Store, TURN_ITEMS, TURN_VALUES, Turns, Update};
 
 /// A stage's input buffer, whose reads are written down: a record is read whole.
 #[derive(TransparentWrapper)]
@@ -38,6 +38,7 @@ impl<T> Index<usize> for Input<T> {
 
 /// A lane's private array in local memory, whose accesses are counted: a load for each value that is read, a store for each place
 /// that is written.
+#[derive(Clone)]
 pub struct Local<T, const N: usize>([T; N]);
 
 impl<T: Copy, const N: usize> Local<T, N> {

@@ -5,7 +5,7 @@ use crate::groups::Groups;
 use crate::output::Outputs;
 use bytemuck::{Pod, TransparentWrapper};
 use caustic_device::{Access, Kernel};
-use caustic_kernels_recorded::exec::Input;
+use caustic_kernels_recorded::exec::{Input, Many};
 use caustic_kernels_recorded::gather::*;
 use caustic_kernels_recorded::grid::{self, *};
 use caustic_kernels_recorded::layout::*;
@@ -37,7 +37,7 @@ fn addresses(kernel: Kernel, buffers: &[&[u32]], outputs: &Outputs) -> Vec<Optio
     let address = |(b, (binding, words)): (usize, (&caustic_device::Binding, &&[u32]))| match binding.access {
         Access::One => None,
         Access::In => Some(words.as_ptr().addr()),
-        Access::Out => outputs.address(b),
+        Access::Out | Access::InOut => outputs.address(b),
     };
     bindings.map(address).collect()
 }
@@ -58,11 +58,17 @@ macro_rules! bind {
     (Out $t:ty, $b:tt, $buffers:ident, $outputs:ident) => {
         $outputs.write::<$t>($b)
     };
+    (InOut $t:ty, $b:tt, $buffers:ident, $outputs:ident) => {
+        $outputs.write::<$t>($b)
+    };
 }
 
 /// Hands a buffer to a body: each call has its own handle of what is written.
 macro_rules! pass {
     (Out $arg:ident) => {
+        &mut $arg.clone()
+    };
+    (InOut $arg:ident) => {
         &mut $arg.clone()
     };
     ($access:ident $arg:ident) => {
@@ -73,6 +79,13 @@ macro_rules! pass {
 macro_rules! run {
     (each, $groups:expr, $at:expr, $lanes:tt, $module:ident::$body:ident $([$($generic:tt),*])?, $($access:ident $arg:ident),*) => {
         $groups.each($at, $lanes, |i| $module::$body$(::<$($generic),*>)?(i, $(pass!($access $arg)),*))
+    };
+    // Phases without barriers: a lane alone.
+    (batch($registers:ty), $groups:expr, $at:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
+        $groups.each($at, $lanes, |i| {
+            let mut alone = Many { first: i, registers: &mut [<$registers>::default()], order: &[0] };
+            $module::$body(&mut alone, $(pass!($access $arg)),*);
+        })
     };
     (gather($container:ty), $groups:expr, $at:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
         $groups.each($at, $lanes, |i| $module::$body(i, <$container>::new(), $(pass!($access $arg)),*))

@@ -49,6 +49,7 @@
 //! * **Inlined calls.** A function's accesses have one place, wherever it was called from: if lanes call it from several places in turn,
 //!   its loops go on counting from one call to the next.
 //! * **Buffers that are cleared** by the device and not by a kernel.
+//! * **Kernels that change buffers in place** (`InOut`), the sorts of brute force: what they found is gone when they are over.
 
 mod align;
 mod counts;
@@ -59,7 +60,7 @@ mod tally;
 
 pub use counts::{BufferAccesses, Counts, StageAccesses};
 
-use caustic_device::{Device, Observed, Observer};
+use caustic_device::{Access, Device, Observed, Observer};
 use output::Outputs;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -122,6 +123,10 @@ impl Observer for Recorder {
     /// # Panics
     /// If it writes something else than the stage wrote.
     fn observe(&self, stage: &Observed<'_>) {
+        // What they found is gone.
+        if stage.kernel.bindings().iter().any(|binding| binding.access == Access::InOut) {
+            return;
+        }
         let outputs = Outputs::of(stage);
         let groups = groups::Groups::new(stage.groups, self.0.every, self.0.warp);
         let recorded = groups.recorded();

@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 use caustic_device::{Access, Observed};
-use caustic_kernels_recorded::exec::Store;
+use caustic_kernels_recorded::exec::{Store, Update};
 use caustic_kernels_recorded::sink;
 use std::marker::PhantomData;
 use std::panic::Location;
@@ -60,5 +60,12 @@ impl<T: Pod> Store<T> for Output<'_, T> {
         for (to, &from) in self.words[first..first + words.len()].iter().zip(words) {
             to.store(from, Relaxed);
         }
+    }
+}
+
+/// Kernels that change buffers in place are not recorded: what they found is gone. Their bodies are compiled like all others.
+impl<T: Pod> Update<T> for Output<'_, T> {
+    fn get(&self, _i: u32) -> T {
+        unreachable!("kernels that change buffers in place are not recorded")
     }
 }

@@ -171,10 +171,11 @@ fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
 }
 
 /// The kernels that write down where they find fields.
-const LAYOUT_KERNELS: [Kernel; 6] = [
+const LAYOUT_KERNELS: [Kernel; 7] = [
     Kernel::LayoutMap,
     Kernel::LayoutGrid,
     Kernel::LayoutRivals,
+    Kernel::LayoutKd,
     Kernel::LayoutSort,
     Kernel::LayoutScene,
     Kernel::LayoutFilm,
@@ -298,6 +299,6 @@ mod tests {
             }
             assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
         }
-        assert_eq!(records, 23);
+        assert_eq!(records, 28);
     }
 }

@@ -25,12 +25,14 @@ mod brute;
 mod cells;
 mod hash;
 mod jensen;
+mod kd;
 mod photons;
 mod search;
 mod technique;
 
 pub use brute::{BruteForce, BruteSort};
 pub use hash::Cells;
+pub use kd::{KD_HISTOGRAMS, KdSearch, KdTree, RadiusError, radius_error};
 pub use photons::Photons;
 pub use search::{irradiance, k_nearest};
 pub use technique::Technique;

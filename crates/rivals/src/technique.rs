@@ -4,6 +4,7 @@ use crate::brute::{BruteForce, BruteSort};
 use crate::cells::CellsIndex;
 use crate::hash::HashIndex;
 use crate::jensen::JensenTree;
+use crate::kd::{KdSearch, KdTree};
 use crate::{Cells, PhotonIndex, Photons};
 use caustic_device::Device;
 use caustic_photon_map::{Gather, Hash, MapError, MapOptions};
@@ -34,6 +35,11 @@ pub enum Technique {
         /// The hash function.
         hash: Hash,
     },
+    /// A kd-tree (section 2.3).
+    KdTree {
+        /// How it is searched.
+        search: KdSearch,
+    },
 }
 
 impl Technique {
@@ -56,6 +62,8 @@ impl Technique {
         Self::Cells { hash: Hash::Linear },
         Self::Cells { hash: Hash::Teschner },
         Self::Cells { hash: Hash::Morton },
+        Self::KdTree { search: KdSearch::Nearest },
+        Self::KdTree { search: KdSearch::Range },
     ];
 
     /// Spatial hashing with a table of the size that caustic chooses.
@@ -80,6 +88,7 @@ impl Technique {
                 let options = MapOptions { radius, hash, table: None, cell: Some(radius) };
                 Ok(Box::new(CellsIndex::build(device, photons, &options)?))
             }
+            Self::KdTree { search } => Ok(Box::new(KdTree::build(device, photons, radius, search)?)),
         }
     }
 
@@ -87,7 +96,7 @@ impl Technique {
     #[must_use]
     pub fn runs_on(self, _device: &Device) -> bool {
         match self {
-            Self::Hash { .. } | Self::Brute { .. } | Self::Jensen | Self::Cells { .. } => true,
+            Self::Hash { .. } | Self::Brute { .. } | Self::Jensen | Self::Cells { .. } | Self::KdTree { .. } => true,
         }
     }
 }

@@ -3,7 +3,8 @@
 //! Rust has every array initialised; rust-gpu writes that as one store of a composite with every element. A driver spends
 //! a minute and more on such a store for 1025 elements (llvmpipe: 90 s a kernel), and each invocation fills kilobytes that
 //! it overwrites before it reads them. So the store is taken apart, and arrays of more than [`SMALL`] elements in a struct
-//! are left out of it. Kernels keep the rule that they read nothing of such an array that they have not written
+//! are left out of it. Where rust-gpu took the struct apart, such an array stands alone, and the store of a constant in all of it is
+//! left out. Kernels keep the rule that they read nothing of such an array that they have not written
 //! (`caustic_kernels::exec`); a test on the CPU fills them with rubbish instead of zeros.
 
 use crate::forward::remove_unused;
@@ -30,6 +31,10 @@ pub fn leave_undefined(module: &mut Module) -> Result<()> {
         for block in &mut function.blocks {
             let mut instructions = Vec::with_capacity(block.instructions.len());
             for inst in block.instructions.drain(..) {
+                if inst.class.opcode == Op::Store && types.is_large_constant(inst.operands[1].unwrap_id_ref()) {
+                    changed = true;
+                    continue;
+                }
                 let whole = (inst.class.opcode == Op::Store)
                     .then(|| made.get(&inst.operands[1].unwrap_id_ref()))
                     .flatten()
@@ -87,6 +92,13 @@ impl Types<'_> {
     fn members(&self, id: u32) -> Option<Vec<u32>> {
         let inst = self.globals.get(&id).filter(|inst| inst.class.opcode == Op::TypeStruct)?;
         Some(inst.operands.iter().map(Operand::unwrap_id_ref).collect())
+    }
+
+    /// Whether it is a constant of a large array.
+    fn is_large_constant(&self, id: u32) -> bool {
+        let constant = |inst: &&Instruction| matches!(inst.class.opcode, Op::ConstantComposite | Op::ConstantNull);
+        let type_of = self.globals.get(&id).filter(constant).and_then(|inst| inst.result_type);
+        type_of.is_some_and(|type_of| self.is_large_array(type_of))
     }
 
     fn is_large_array(&self, id: u32) -> bool {
@@ -178,6 +190,27 @@ mod tests {
         leave_undefined(&mut module).unwrap();
         let count = |op| module.all_inst_iter().filter(|inst| inst.class.opcode == op).count();
         (count(Op::Store), count(Op::CompositeConstruct))
+    }
+
+    /// A kernel that stores a constant array of `length` in a variable of its own.
+    fn constant_stores_left(length: u32) -> usize {
+        let mut module = kernel(|b, float, _| {
+            let word = b.type_int(32, 0);
+            let n = b.constant_bit32(word, length);
+            let array = b.type_array(float, n);
+            let pointer = b.type_pointer(None, StorageClass::Function, array);
+            let zero = b.constant_bit32(float, 0);
+            let all = b.constant_composite(array, vec![zero; length as usize]);
+            let variable = b.variable(pointer, None, StorageClass::Function, None);
+            b.store(variable, all, None, []).unwrap();
+        });
+        leave_undefined(&mut module).unwrap();
+        module.all_inst_iter().filter(|inst| inst.class.opcode == Op::Store).count()
+    }
+
+    #[test]
+    fn a_large_array_that_stands_alone_is_not_filled_with_a_constant() {
+        assert_eq!(constant_stores_left(33) + 1, constant_stores_left(32));
     }
 
     #[test]

@@ -10,7 +10,7 @@ use crate::subject::{CAUSTIC, KD, KD_NEAREST, LINEAR, TESCHNER};
 const NOTE: &str = "Counted by a recorder that runs the kernels on the CPU, 32 lanes together, and counts the 32-byte sectors that they touch at once beyond the \
     fewest that their loads and stores could take; the same whatever the device. Of many queries some are recorded, and counts are scaled to all.";
 
-const TREES: Sweep = Sweep { map: Map::Global, vary: Vary::Photons, subjects: &[KD, KD_NEAREST] };
+const TREES: Sweep = Sweep { map: Map::Global, vary: Vary::Photons, subjects: &[KD] };
 const SIZES: Sweep =
     Sweep { map: Map::Global, vary: Vary::Size, subjects: &[KD, KD_NEAREST, LINEAR, TESCHNER, CAUSTIC] };
 const CONSTRUCTION: Sweep = Sweep { map: Map::Global, vary: Vary::Photons, subjects: &[KD, LINEAR, TESCHNER, CAUSTIC] };
@@ -21,7 +21,7 @@ pub(super) const FIG_17: Figure = Figure {
     section: "5.3.1",
     cases: |scope| recorded(&TREES, scope),
     page: |results| {
-        let local = |results: &Results, case: &Case| results.store.value(&recording(case), "search_local_accesses");
+        let local = |results: &Results, case: &Case| results.store.value(&recording(case), "search_local/kd_radii");
         let grows = || {
             let rise = rise(&TREES.thesis_points(results, KD, local))?;
             Some((
@@ -33,7 +33,7 @@ pub(super) const FIG_17: Figure = Figure {
             charts: vec![TREES.chart(
                 results,
                 "local-accesses",
-                "Local memory accesses of a search over map size",
+                "Accesses to the stack of the kd-tree's traversal over map size",
                 Axis::Accesses,
                 local,
             )],
@@ -118,7 +118,7 @@ fn recording(case: &Case) -> Case {
 
 /// Recordings of a sweep, up to what a recorder can do in its time.
 fn recorded(sweep: &Sweep, scope: &Scope) -> Vec<Case> {
-    let most = if scope.quick { 50_000 } else { 500_000 };
-    let affordable = |case: &Case| case.photons <= most && f64::from(case.queries()) <= Vary::Size.thesis_to();
+    let (photons, queries) = if scope.quick { (50_000, 80_000) } else { (500_000, 800 * 600) };
+    let affordable = |case: &Case| case.photons <= photons && case.queries() <= queries;
     sweep.cases(scope).iter().map(recording).filter(affordable).collect()
 }

@@ -136,7 +136,7 @@ pub(super) const TABLE_3: Figure = Figure {
         let share = |k: u32, subject: &str, part: &str| {
             let case = table_case(&results.scope, k, subject);
             let of = |stage: &str| results.store.value(&case, &format!("search/{stage}_ms"));
-            let parts = parts(subject);
+            let parts = parts();
             let sum: f64 = parts.iter().flat_map(|(_, stages)| stages.iter()).filter_map(|stage| of(stage)).sum();
             let stages = parts.iter().find(|(name, _)| *name == part)?.1;
             let values: Vec<f64> = stages.iter().filter_map(|stage| of(stage)).collect();
@@ -183,6 +183,10 @@ pub(super) const TABLE_3: Figure = Figure {
 };
 
 /// The stages of each step.
-fn parts(_subject: &str) -> [(&'static str, &'static [&'static str]); 3] {
-    [("distance", &["brute_distances"]), ("sort", &["brute_insertion", "brute_comb"]), ("copy", &["brute_copy"])]
+fn parts() -> [(&'static str, &'static [&'static str]); 3] {
+    [
+        ("distance", &["brute_distance"]),
+        ("sort", &["brute_insertion_sort", "brute_comb_sort"]),
+        ("copy", &["brute_copy"]),
+    ]
 }

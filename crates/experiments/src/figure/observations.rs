@@ -6,6 +6,7 @@ use super::{Axis, Figure, Page, Table};
 use crate::case::{Case, Map, What};
 use crate::claim::{Claim, all};
 use crate::subject::{CAUSTIC, CAUSTIC_MORTON, CAUSTIC_TESCHNER, CELLS, KD, LINEAR, LINEAR_HEAP};
+use caustic_rivals::KD_HISTOGRAMS;
 
 const COLLECTION: Sweep = Sweep {
     map: Map::Global,
@@ -83,9 +84,17 @@ pub(super) const SECTION_2_3_3: Figure = Figure {
         };
         let columns = (1..=4).flat_map(|rounds| ["mean", "most"].map(|of| format!("{of}, {rounds} rounds")));
         let judged = || {
-            let errors: Option<Vec<f64>> = cases.iter().map(|case| error(case, 4, "mean")).collect();
-            let worst = errors?.into_iter().fold(0.0, f64::max);
-            Some((all(&[worst < 1e-3]), format!("after four rounds the mean error is at most {:.4} %.", 100.0 * worst)))
+            let worst = |of: &str| {
+                let errors: Option<Vec<f64>> = cases.iter().map(|case| error(case, KD_HISTOGRAMS, of)).collect();
+                Some(errors?.into_iter().fold(0.0, f64::max))
+            };
+            let (mean, most) = (worst("mean")?, worst("most")?);
+            let text = format!(
+                "after {KD_HISTOGRAMS} rounds of 32 shells it is {:.3} % on average and {:.3} % at most; neither number is in the thesis.",
+                100.0 * mean,
+                100.0 * most
+            );
+            Some((all(&[mean < 1e-3, most < 1e-3]), text))
         };
         Page {
             tables: vec![Table {

@@ -4,7 +4,7 @@
 /// Lanes of a workgroup that shares out columns.
 pub const COLUMN_LANES: u32 = 64;
 /// Bins of a count, two to a word.
-pub(super) const BINS: u32 = 32;
+pub(crate) const BINS: u32 = 32;
 /// Words of a lane for counters, or for a list.
 pub(super) const WORDS: u32 = 16;
 /// Most that a bin counts. More is not asked for.
@@ -29,7 +29,7 @@ pub(super) fn count_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, 
 
 /// Counts one more, unless that is too many for a bin; returns how many.
 #[inline]
-pub(super) fn count<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32, bin: u32) -> u32 {
+pub(crate) fn count<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32, bin: u32) -> u32 {
     let word = at(from + bin % WORDS, lane);
     let shift = bin & WORDS;
     let counts = memory[word];
@@ -41,7 +41,7 @@ pub(super) fn count<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32,
 }
 
 #[inline]
-pub(super) fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
+pub(crate) fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
     let mut word = 0;
     while word < WORDS {
         memory[at(from + word, lane)] = 0;
@@ -52,7 +52,7 @@ pub(super) fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32)
 /// The bin that holds the `rank`-th of what was counted from word `from` on (from 1; [`BINS`] if there are fewer), how many are in bins before it,
 /// and how many in it.
 #[inline]
-pub(super) fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) -> (u32, u32, u32) {
+pub(crate) fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) -> (u32, u32, u32) {
     let mut bin = 0;
     let mut before = 0;
     let mut inside = count_of(memory, lane, from, 0);

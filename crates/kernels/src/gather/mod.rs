@@ -15,6 +15,7 @@ mod neighbours;
 mod power;
 mod search;
 
+pub(crate) use bins::{BINS, bin_of, clear, count};
 pub use bins::{COLUMN_LANES, Columns};
 pub use counting::gather_irradiance_by_counting;
 pub use density::gather_density;

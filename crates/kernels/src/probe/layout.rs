@@ -8,6 +8,7 @@ use crate::exec::{Input, Store};
 use crate::gather::GatherParams;
 use crate::grid::{Grid, Row};
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
+use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
@@ -95,6 +96,14 @@ layouts! {
     layout_rivals(
         search: SearchParams { queries, k, photons, radius2 },
         brute: BruteParams { first, queries, columns, photons, k, radius2 }
+    );
+    /// Records of the kd-tree.
+    layout_kd(
+        level: KdLevel { photons, nodes, level, roots, radius },
+        large: KdLarge { begin, photons, place, low, high },
+        split: KdSplit { begin, left, axis },
+        small: KdSmall { begin, set, place },
+        radius: KdRadius { queries, k, photons, iterations, radius }
     );
     /// Records of sorting, and of emission.
     layout_sort(

@@ -8,4 +8,6 @@ pub use arithmetic::{Arithmetic, ArithmeticParams, arithmetic};
 pub use copy::copy_quads;
 #[cfg(not(target_arch = "spirv"))]
 pub use layout::LAYOUTS;
-pub use layout::{LAYOUT_WORDS, Words, layout_film, layout_grid, layout_map, layout_rivals, layout_scene, layout_sort};
+pub use layout::{
+    LAYOUT_WORDS, Words, layout_film, layout_grid, layout_kd, layout_map, layout_rivals, layout_scene, layout_sort,
+};

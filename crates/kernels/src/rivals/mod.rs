@@ -6,6 +6,7 @@ mod brute;
 mod cells;
 mod estimate;
 mod jensen;
+pub mod kd;
 
 pub use brute::{
     BRUTE_TILE, BruteParams, BruteTile, brute_comb_sort, brute_copy, brute_distance, brute_insertion_sort,
@@ -13,6 +14,10 @@ pub use brute::{
 pub use cells::{CELLS_LANES, CellsRegisters, cells_neighbours, cells_words};
 pub use estimate::estimate_of_neighbours;
 pub use jensen::{jensen_neighbours, jensen_word};
+pub use kd::{
+    KdLarge, KdLevel, KdRadius, KdSmall, KdSplit, kd_begin, kd_classify, kd_compact, kd_hand_out, kd_keys,
+    kd_list_sides, kd_masks, kd_members, kd_move, kd_nearest, kd_radius, kd_range, kd_split_large, kd_split_small,
+};
 
 use bytemuck::{Pod, Zeroable};
 
