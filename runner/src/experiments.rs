@@ -27,14 +27,15 @@ pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
         let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
         return write(folder, &figures, &store);
     }
-    if !(arguments.patience > 0.0) {
-        return Err(Failure::input(format!("--patience is {} but must be above 0 seconds", arguments.patience)));
+    let patience_s = arguments.patience.unwrap_or(if arguments.quick { 5.0 } else { 60.0 });
+    if patience_s.is_nan() || patience_s <= 0.0 {
+        return Err(Failure::input(format!("--patience is {patience_s} but must be above 0 seconds")));
     }
     let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
     eprintln!("{line}");
     let mut store = Store::open(folder, &Machine::of(&device), arguments.quick).map_err(Failure::input)?;
     let scope = Scope { quick: arguments.quick, gpu: device.is_gpu() };
-    let options = Options { folder, figures: &figures, scope, patience_s: arguments.patience };
+    let options = Options { folder, figures: &figures, scope, patience_s };
     let monitor = BenchMonitor::new();
     let complete = measure(&options, &device, &mut store, &mut |event| {
         match event {

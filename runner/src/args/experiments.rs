@@ -18,9 +18,10 @@ pub struct ExperimentsArguments {
     /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
     #[arg(long, value_name = "D", default_value = "auto")]
     pub device: DeviceChoice,
-    /// Longest that a single run of a case may take, in seconds: cases that are expected to take longer are left out.
-    #[arg(long, value_name = "S", default_value = "60", allow_negative_numbers = true)]
-    pub patience: f64,
+    /// Longest that a single run of a case may take, in seconds: cases that are expected to take longer are left out. 60 if not
+    /// given, and 5 with --quick.
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    pub patience: Option<f64>,
     /// Makes the report of the results that are there, and measures nothing.
     #[arg(long)]
     pub report_only: bool,

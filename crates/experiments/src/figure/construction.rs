@@ -34,7 +34,8 @@ pub(super) const FIG_13: Figure = Figure {
 
 /// Brute force builds nothing, and its search of large maps is for figure 28 to show.
 fn cases(scope: &Scope, sweep: &Sweep) -> Vec<Case> {
-    let affordable = |case: &Case| case.subject != BRUTE || case.photons <= 50_000;
+    let most = if scope.gpu { 50_000 } else { 10_000 };
+    let affordable = |case: &Case| case.subject != BRUTE || case.photons <= most;
     sweep.cases(scope).into_iter().filter(affordable).collect()
 }
 
