@@ -8,7 +8,7 @@ use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
 use caustic_kernels::sort::ScanParams;
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
 use caustic_recorder::{Counts, Recorder, StageAccesses};
-use caustic_rivals::{Photons, Technique, k_nearest};
+use caustic_rivals::{Cells, Photons, Technique, k_nearest};
 use caustic_tests::points::sets;
 use caustic_tests::renders;
 use std::collections::HashSet;
@@ -245,7 +245,7 @@ fn accesses_of_the_spatial_hash() {
             let device = recorder.device();
             let on_device = Photons::upload(&device, &photons).unwrap();
             let start = Instant::now();
-            let index = Technique::Hash { hash, table: None, gather }.build(&device, &on_device, radius).unwrap();
+            let index = Technique::hash(hash, Cells::Crowding, gather).build(&device, &on_device, radius).unwrap();
             if i == 0 {
                 print(&recorder, &format!("{hash:?}: building over {PHOTONS} photons"), start);
             }
