@@ -1,6 +1,6 @@
 //! The experiments of the thesis's chapter 5, measured again: which of its claims hold on today's devices?
 //!
-//! A [`figure`] names the [`case`]s that it is made of; [`run`] measures them on a [`stage`] and keeps what came of each in a [`store`], from
+//! A [`figure`] names the [`case`]s that it is made of; [`run`] measures them and keeps what came of each in a [`store`], from
 //! which [`report`] makes pages, tables and plots.
 
 pub mod case;

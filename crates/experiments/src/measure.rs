@@ -99,7 +99,7 @@ const RECORDED: u32 = 100;
 fn access(stage: &mut Stage, subject: &Subject, case: &Case) -> Result<Measured, Trouble> {
     let queries = stage.look(case.size)?.to_vec();
     let photons = stage.first(case.map, case.photons)?;
-    let recorder = Recorder::every(WARP, (case.queries() / GATHER_LANES / RECORDED).max(1));
+    let recorder = Recorder::every(WARP, prime_from(case.queries() / GATHER_LANES / RECORDED));
     let device = recorder.device();
     let photons = Photons::upload(&device, &photons)?;
     let index = subject.technique.build(&device, &photons, case.radius())?;
@@ -109,6 +109,15 @@ fn access(stage: &mut Stage, subject: &Subject, case: &Case) -> Result<Measured,
     search(&device, index.as_ref(), &parts, case.k)?;
     counts(&mut values, "search", &recorder);
     Ok((Outcome::Values(values), None))
+}
+
+/// The first prime from a number on, or 1: workgroups so far apart do not all lie in the same column of a picture.
+fn prime_from(n: u32) -> u32 {
+    if n < 2 {
+        return 1;
+    }
+    let is_prime = |n: &u32| (2..).take_while(|d| d * d <= *n).all(|d| !n.is_multiple_of(d));
+    (n..).find(is_prime).unwrap_or(n)
 }
 
 /// What was recorded since the last time, scaled to all workgroups.
@@ -187,4 +196,14 @@ fn digest(device: &Device, index: &dyn PhotonIndex, parts: &[(Buffer, u32)], k: 
         }
     }
     Ok(digest.hex())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::prime_from;
+
+    #[test]
+    fn primes_come_from_where_they_should() {
+        assert_eq!([0, 1, 2, 3, 4, 24, 48, 75].map(prime_from), [1, 1, 2, 3, 5, 29, 53, 79]);
+    }
 }

@@ -94,7 +94,7 @@ pub fn cases(options: &Options) -> Vec<Case> {
     let mut cases: Vec<Case> = all.filter(|case| seen.insert(case.clone())).collect();
     cases.sort_by_key(|case| {
         let on_cpu = subject::named(&case.subject).is_some_and(|subject| subject.on_cpu);
-        (case.map, on_cpu, case.photons, case.queries(), case.what, case.subject.clone(), case.k, case.radius_mm)
+        (case.map, case.photons, on_cpu, case.queries(), case.what, case.subject.clone(), case.k, case.radius_mm)
     });
     cases
 }

@@ -18,8 +18,6 @@ pub struct Stage<'a> {
     /// Where the rest is.
     pub cpu: Device,
     scene: Scene,
-    /// The photons of each map, as many as were asked for so far.
-    traced: [Vec<Photon>; 2],
     uploaded: Option<Uploaded>,
     view: Option<([u32; 2], View, Vec<Query>)>,
 }
@@ -39,7 +37,7 @@ impl<'a> Stage<'a> {
     /// Never, as long as the built-in scene is what it was.
     pub fn new(device: &'a Device) -> Result<Self, Trouble> {
         let scene = Scene::load("cornell").map_err(|error| Trouble::Fail(error.to_string()))?;
-        Ok(Self { device, cpu: Device::cpu(), scene, traced: [Vec::new(), Vec::new()], uploaded: None, view: None })
+        Ok(Self { device, cpu: Device::cpu(), scene, uploaded: None, view: None })
     }
 
     /// The device of a case.
@@ -63,17 +61,31 @@ impl<'a> Stage<'a> {
         Ok(())
     }
 
-    /// The first `count` photons of a map.
+    /// The first `count` photons of a map: the same, whatever was asked for before.
     ///
     /// # Errors
     /// Those of devices.
     pub fn first(&mut self, map: Map, count: u32) -> Result<Vec<Photon>, Trouble> {
-        self.trace(map, count)?;
-        let all = &self.traced[map as usize];
-        // Each of fewer photons carries more.
-        let share = all.len() as f32 / count as f32;
-        let scaled = |photon: &Photon| Photon { power: photon.power.map(|power| power * share), ..*photon };
-        Ok(all[..count as usize].iter().map(scaled).collect())
+        let show = match map {
+            Map::Global => Show::MapGlobal,
+            Map::Caustic => Show::MapCaustic,
+        };
+        let mut emitted = PROBE;
+        loop {
+            let mut photons = trace_photons(self.device, &self.scene, show, emitted, 0)?;
+            let stored = photons.len() as u32;
+            if stored >= count {
+                photons.truncate(count as usize);
+                // Each of fewer photons carries more.
+                let share = stored as f32 / count as f32;
+                for photon in &mut photons {
+                    photon.power = photon.power.map(|power| power * share);
+                }
+                return Ok(photons);
+            }
+            // A little more than it should take.
+            emitted = (f64::from(emitted) * f64::from(count) / f64::from(stored.max(1)) * 1.02) as u32 + PROBE;
+        }
     }
 
     /// The photons that were put there last.
@@ -83,22 +95,6 @@ impl<'a> Stage<'a> {
     #[must_use]
     pub fn uploaded(&self) -> &Photons {
         &self.uploaded.as_ref().expect("photons are uploaded first").photons
-    }
-
-    /// Sees that there are `count` photons of a map.
-    fn trace(&mut self, map: Map, count: u32) -> Result<(), Trouble> {
-        let traced = &mut self.traced[map as usize];
-        let show = match map {
-            Map::Global => Show::MapGlobal,
-            Map::Caustic => Show::MapCaustic,
-        };
-        let mut emitted = PROBE;
-        while traced.len() < count as usize {
-            *traced = trace_photons(self.device, &self.scene, show, emitted, 0)?;
-            // A little more than it should take.
-            emitted = (f64::from(emitted) * f64::from(count) / traced.len().max(1) as f64 * 1.02) as u32 + PROBE;
-        }
-        Ok(())
     }
 
     /// Looks at the scene through a picture of `size` pixels, a query each. Returns the queries.
