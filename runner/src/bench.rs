@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use crate::args::BenchArguments;
+use crate::command;
 use crate::progress::BenchMonitor;
 use caustic_bench::case::{self, Case};
 use caustic_bench::record::{self, Record};
@@ -106,7 +107,7 @@ fn check_places(arguments: &BenchArguments, cases: &[Case]) -> Result<(), Failur
 
 /// Writes every output that was asked for, also of a suite that was interrupted.
 fn write(arguments: &BenchArguments, suite: &Suite) -> Result<(), Failure> {
-    let made = Record::new(suite, &command(std::env::args().skip(1)));
+    let made = Record::new(suite, &command::line());
     let texts = [
         (&arguments.json, made.json()),
         (&arguments.csv, report::csv(&suite.rows)),
@@ -127,21 +128,6 @@ fn write(arguments: &BenchArguments, suite: &Suite) -> Result<(), Failure> {
         eprintln!("wrote {}", path.display());
     }
     Ok(())
-}
-
-/// The command without the places that outputs go to: a record is for others, who have other folders.
-fn command(words: impl Iterator<Item = String>) -> String {
-    const PLACES: [&str; 5] = ["--json", "--csv", "--markdown", "--svg", "--record"];
-    let mut command = "caustic".to_string();
-    let mut words = words;
-    while let Some(word) = words.next() {
-        if PLACES.contains(&word.as_str()) {
-            words.next();
-        } else if !PLACES.iter().any(|place| word.strip_prefix(place).is_some_and(|rest| rest.starts_with('='))) {
-            command += &format!(" {word}");
-        }
-    }
-    command
 }
 
 /// Writes hashes into case files; not those of results that brute force contradicts.
@@ -184,17 +170,5 @@ fn table(arguments: &BenchArguments) -> Result<(), Failure> {
             print!("{table}");
             Ok(())
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::command;
-
-    #[test]
-    fn a_record_names_the_command_and_no_places() {
-        let of = |line: &str| command(line.split(' ').map(str::to_string));
-        assert_eq!(of("bench --json a.json --max-n 5 --svg=plots --quick"), "caustic bench --max-n 5 --quick");
-        assert_eq!(of("bench --record"), "caustic bench");
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use crate::args::ExperimentsArguments;
+use crate::command;
 use crate::progress::BenchMonitor;
 use caustic_bench::record;
 use caustic_bench::row::Machine;
@@ -33,7 +34,8 @@ pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
     }
     let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
     eprintln!("{line}");
-    let mut store = Store::open(folder, &Machine::of(&device), arguments.quick).map_err(Failure::input)?;
+    let mut store =
+        Store::open(folder, &Machine::of(&device), arguments.quick, &command::line()).map_err(Failure::input)?;
     let scope = Scope { quick: arguments.quick, gpu: device.is_gpu() };
     let options = Options { folder, figures: &figures, scope, patience_s };
     let monitor = BenchMonitor::new();
@@ -56,8 +58,7 @@ fn write(folder: &Path, figures: &[&'static Figure], store: &Store) -> Result<()
     let gpu = !store.header.machine.driver.is_empty();
     let results = Results { store, scope: Scope { quick: store.header.quick, gpu }, folder };
     let made = report::make(&results, figures).map_err(Failure::machine)?;
-    let quick = if store.header.quick { " --quick" } else { "" };
-    let page = report::html(store, &made, &format!("caustic experiments{quick}"));
+    let page = report::html(store, &made);
     let files = [
         ("report.html", page),
         ("results.csv", report::csv(store)),

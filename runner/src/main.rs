@@ -2,6 +2,7 @@
 
 mod args;
 mod bench;
+mod command;
 mod compare;
 mod experiments;
 mod info;

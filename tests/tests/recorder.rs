@@ -1,6 +1,5 @@
 //! The access recorder: counts in closed form, the same results as without it, and planted faults.
 
-use caustic_bench::points::{Distribution, Points};
 use caustic_device::{Access, Device, Kernel, Observed, Observer, Plan};
 use caustic_kernels::gather::GatherParams;
 use caustic_kernels::grid::{Grid, Row};
@@ -8,12 +7,11 @@ use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
 use caustic_kernels::sort::ScanParams;
 use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
 use caustic_recorder::{Counts, Recorder, StageAccesses};
-use caustic_rivals::{Cells, Photons, Technique, k_nearest};
+use caustic_rivals::{Photons, Technique, k_nearest};
 use caustic_tests::points::sets;
 use caustic_tests::renders;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::time::Instant;
 
 /// What one stage accesses.
 fn record(recorder: &Recorder, plan: impl FnOnce(&Device, &mut Plan)) -> StageAccesses {
@@ -208,51 +206,5 @@ fn an_output_that_is_not_the_recorded_kernels_is_refused() {
             panic.downcast_ref::<String>().unwrap(),
             "copy: the recorded kernel writes something else to `output`"
         );
-    }
-}
-
-/// Prints what building and searching access: `cargo test --release -p caustic-tests --test recorder -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement, not a test"]
-fn accesses_of_the_spatial_hash() {
-    const PHOTONS: u32 = 100_000;
-    const QUERIES: u32 = 10_000;
-    const K: u32 = 50;
-    let points = Points::new(Distribution::Uniform, PHOTONS, K);
-    let radius = Distribution::Uniform.radius(PHOTONS, K);
-    let (photons, queries) = (points.photons(PHOTONS), points.queries(QUERIES));
-    let print = |recorder: &Recorder, what: &str, start: Instant| {
-        println!("\n{what}, recorded in {:.2} s", start.elapsed().as_secs_f64());
-        println!(
-            "| stage | requests | sectors | excess | uncoalesced requests | local loads | local stores | excess of buffers |"
-        );
-        println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
-        for row in recorder.report() {
-            let c = row.total;
-            let of =
-                row.buffers.iter().filter(|b| b.counts.excess > 0).map(|b| format!("{} {}", b.name, b.counts.excess));
-            let of = of.collect::<Vec<_>>().join(", ");
-            let (requests, uncoalesced) = (c.requests, c.uncoalesced_requests);
-            println!(
-                "| {} × {} | {requests} | {} | {} | {uncoalesced} | {} | {} | {of} |",
-                row.stage, row.runs, c.sectors, c.excess, row.local_loads, row.local_stores
-            );
-        }
-    };
-    for hash in [Hash::Linear, Hash::Teschner] {
-        for (i, gather) in [Gather::List, Gather::Heap, Gather::Histogram].into_iter().enumerate() {
-            let recorder = Recorder::new(32);
-            let device = recorder.device();
-            let on_device = Photons::upload(&device, &photons).unwrap();
-            let start = Instant::now();
-            let index = Technique::hash(hash, Cells::Crowding, gather).build(&device, &on_device, radius).unwrap();
-            if i == 0 {
-                print(&recorder, &format!("{hash:?}: building over {PHOTONS} photons"), start);
-            }
-            recorder.reset();
-            let start = Instant::now();
-            k_nearest(&device, index.as_ref(), &queries, K).unwrap();
-            print(&recorder, &format!("{hash:?}, {gather:?}: {QUERIES} queries, k = {K}"), start);
-        }
     }
 }

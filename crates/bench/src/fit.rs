@@ -3,12 +3,19 @@
 /// The smallest N that counts: below, fixed costs hide the growth.
 const FROM: u32 = 1_000_000;
 
-/// The exponent p of time ∝ Nᵖ: the slope of the least-squares line through (log N, log time) of all N from a million on. None if
-/// those are fewer than two.
+/// The exponent p of time ∝ Nᵖ of all N from a million on. None if those are fewer than two.
 #[must_use]
 pub(crate) fn exponent(points: &[(u32, f64)]) -> Option<f64> {
-    let usable = points.iter().filter(|(n, ms)| *n >= FROM && *ms > 0.0);
-    let logs: Vec<(f64, f64)> = usable.map(|&(n, ms)| (f64::from(n).ln(), ms.ln())).collect();
+    let usable = points.iter().filter(|(n, _)| *n >= FROM);
+    power(&usable.map(|&(n, ms)| (f64::from(n), ms)).collect::<Vec<_>>())
+}
+
+/// The exponent p of y ∝ xᵖ: the slope of the least-squares line through (log x, log y), of positive numbers. None if there are not two
+/// different x.
+#[must_use]
+pub fn power(points: &[(f64, f64)]) -> Option<f64> {
+    let usable = points.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0);
+    let logs: Vec<(f64, f64)> = usable.map(|&(x, y)| (x.ln(), y.ln())).collect();
     let count = logs.len() as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| logs.iter().map(of).sum::<f64>() / count;
     let (x, y) = (mean(|p| p.0), mean(|p| p.1));

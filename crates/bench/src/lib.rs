@@ -22,4 +22,5 @@ mod roofline;
 mod work;
 
 pub use digest::Digest;
+pub use fit::power;
 pub use work::Trouble;

@@ -9,7 +9,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 /// Version of the format.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// What came of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +32,8 @@ pub struct Header {
     pub quick: bool,
     /// When it began, UTC.
     pub date: String,
+    /// The command that began it.
+    pub command: String,
 }
 
 /// A line.
@@ -60,8 +62,9 @@ impl Store {
     ///
     /// # Errors
     /// If they cannot be read or written, or are those of another machine, version or range.
-    pub fn open(folder: &Path, machine: &Machine, quick: bool) -> Result<Self, String> {
-        let header = Header { format: FORMAT, machine: machine.clone(), quick, date: caustic_bench::record::now() };
+    pub fn open(folder: &Path, machine: &Machine, quick: bool, command: &str) -> Result<Self, String> {
+        let (machine_now, date) = (machine.clone(), caustic_bench::record::now());
+        let header = Header { format: FORMAT, machine: machine_now, quick, date, command: command.to_string() };
         fs::create_dir_all(folder)
             .map_err(|error| format!("-o {}: it cannot be a folder: {error}", folder.display()))?;
         let path = path_in(folder);
@@ -217,14 +220,14 @@ pub(crate) mod tests {
     fn results_are_found_again_and_half_a_line_is_forgotten() {
         let folder = tempfile::tempdir().unwrap();
         let machine = Machine::of(&Device::cpu());
-        let mut store = Store::open(folder.path(), &machine, true).unwrap();
+        let mut store = Store::open(folder.path(), &machine, true, "caustic experiments").unwrap();
         store.add(&case(10), values(&[("build_ms", 1.5)]), Some("ab".to_string())).unwrap();
         store.add(&case(20), Outcome::Skipped("too long".to_string()), None).unwrap();
         drop(store);
         let path = path_in(folder.path());
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, format!("{text}{{\"case\": {{\"wh")).unwrap();
-        let mut store = Store::open(folder.path(), &machine, true).unwrap();
+        let mut store = Store::open(folder.path(), &machine, true, "caustic experiments").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), text);
         assert_eq!((store.value(&case(10), "build_ms"), store.found(&case(10))), (Some(1.5), Some("ab")));
         assert_eq!((store.value(&case(20), "build_ms"), store.cases().count()), (None, 2));
@@ -236,8 +239,9 @@ pub(crate) mod tests {
     fn results_of_other_circumstances_are_refused_with_a_remedy() {
         let folder = tempfile::tempdir().unwrap();
         let machine = Machine::of(&Device::cpu());
-        drop(Store::open(folder.path(), &machine, true).unwrap());
-        let error = |machine: &Machine, quick| Store::open(folder.path(), machine, quick).err().unwrap();
+        drop(Store::open(folder.path(), &machine, true, "caustic experiments").unwrap());
+        let error =
+            |machine: &Machine, quick| Store::open(folder.path(), machine, quick, "caustic experiments").err().unwrap();
         assert!(error(&machine, false).contains("with --quick; give another folder"));
         let other = Machine { commit: "another".to_string(), ..machine.clone() };
         assert!(error(&other, true).contains("results.jsonl` has results of"));

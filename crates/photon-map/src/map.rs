@@ -2,7 +2,7 @@
 
 use crate::grid::{MAX_PHOTONS, bounds, plan_grid, rows};
 use crate::options::{irradiance_kernel, neighbours_kernel};
-use crate::{Gather, MapError, MapOptions, RadixSort};
+use crate::{Gather, MAX_K, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, GatherParams};
 use caustic_kernels::grid::{GRID_BLOCK, Grid, HASH_LINEAR, Row};
@@ -25,6 +25,25 @@ pub struct Neighbours {
     pub neighbours: Buffer,
     /// How many each query has, or [`CUT_SHORT`].
     pub counts: Buffer,
+}
+
+impl Neighbours {
+    /// Room for the `k` nearest photons of `count` queries.
+    ///
+    /// # Errors
+    /// [`MapError::K`], [`MapError::TooMany`] and [`MapError::Device`].
+    pub fn new(device: &Device, count: u32, k: u32) -> Result<Self, MapError> {
+        if k == 0 || k > MAX_K {
+            return Err(MapError::K { k: u64::from(k), max: MAX_K });
+        }
+        let rows = u64::from(count) * u64::from(k);
+        if rows > u64::from(u32::MAX) {
+            return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
+        }
+        let neighbours = device.scratch::<Neighbour>("neighbours", rows)?;
+        let counts = device.scratch::<u32>("neighbour counts", u64::from(count))?;
+        Ok(Self { neighbours, counts })
+    }
 }
 
 impl PhotonMap {
@@ -166,20 +185,15 @@ impl PhotonMap {
         gather: Gather,
     ) -> Result<Neighbours, MapError> {
         let kernel = neighbours_kernel(gather, k, device.is_gpu(), self.grid.hash == HASH_LINEAR)?;
-        let rows = u64::from(count) * u64::from(k);
-        if rows > u64::from(u32::MAX) {
-            return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
-        }
+        let Neighbours { neighbours, counts } = Neighbours::new(device, count, k)?;
         let Search { params, order } = self.plan_search(device, plan, queries, count, k, k)?;
-        let neighbours = device.scratch::<Neighbour>("neighbours", rows)?;
-        let counts = device.scratch::<u32>("neighbour counts", u64::from(count))?;
         let search = [&params, &self.grid_buffer, &self.rows, queries, &order, &self.sites, &self.begins];
         let [params, ..] = search;
         if matches!(kernel, Kernel::NeighboursHistogram | Kernel::NeighboursHistogramHashed) {
-            let unordered = device.scratch::<Neighbour>("neighbours, unordered", rows)?;
+            let all = count * k;
+            let unordered = device.scratch::<Neighbour>("neighbours, unordered", u64::from(all))?;
             let windows = device.scratch::<u32>("neighbour windows", 2 * u64::from(count))?;
             plan.each(kernel, count, &[&search[..], &[&unordered, &counts, &windows]].concat());
-            let all = rows as u32;
             plan.each(Kernel::OrderNeighbours, all, &[params, &counts, &windows, &unordered, &neighbours]);
         } else {
             plan.each(kernel, count, &[&search[..], &[&neighbours, &counts]].concat());

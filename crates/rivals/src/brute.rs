@@ -1,6 +1,5 @@
 //! Brute force (thesis, section 2.2), in chunks of queries.
 
-use crate::search::places;
 use crate::{PhotonIndex, Photons};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::rivals::{BRUTE_TILE, BruteParams};
@@ -56,17 +55,17 @@ impl BruteForce {
 
 impl PhotonIndex for BruteForce {
     fn search(&self, device: &Device, queries: &Buffer, count: u32, k: u32) -> Result<Neighbours, MapError> {
-        let found = places(device, count, k)?;
+        let found = Neighbours::new(device, count, k)?;
         let columns = self.columns(device).min(count.max(1));
         let (sort, rows) = match self.sort {
             BruteSort::Insertion => (Kernel::BruteInsertionSort, k.min(self.count)),
             BruteSort::Comb => (Kernel::BruteCombSort, self.count),
         };
         let matrix = |rows: u32| u64::from(columns) * u64::from(rows);
-        let params = device.buffer::<BruteParams>("brute force: params", 1)?;
-        let distances = device.buffer::<f32>("brute force: distances", matrix(self.count))?;
-        let indices = device.buffer::<u32>("brute force: indices", matrix(rows))?;
-        let sorted = device.buffer::<u32>("brute force: sorted", u64::from(columns))?;
+        let params = device.scratch::<BruteParams>("brute force: params", 1)?;
+        let distances = device.scratch::<f32>("brute force: distances", matrix(self.count))?;
+        let indices = device.scratch::<u32>("brute force: indices", matrix(rows))?;
+        let sorted = device.scratch::<u32>("brute force: sorted", u64::from(columns))?;
         let mut first = 0;
         while first < count {
             let queries_here = columns.min(count - first);

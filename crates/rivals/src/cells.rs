@@ -1,7 +1,6 @@
 //! A spatial hash in which each cell has a thread of its own (thesis, section 5.6).
 
 use crate::hash::{Cells, build_map};
-use crate::search::places;
 use crate::{PhotonIndex, Photons};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::rivals::SearchParams;
@@ -20,7 +19,7 @@ impl CellsIndex {
 
 impl PhotonIndex for CellsIndex {
     fn search(&self, device: &Device, queries: &Buffer, count: u32, k: u32) -> Result<Neighbours, MapError> {
-        let found = places(device, count, k)?;
+        let found = Neighbours::new(device, count, k)?;
         let kernel = match capacity(k)? {
             17 => Kernel::CellsNeighbours17,
             65 => Kernel::CellsNeighbours65,

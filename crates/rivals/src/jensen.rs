@@ -1,6 +1,5 @@
 //! Jensen's kd-tree (thesis, sections 2.1.2 and 4.3), built on the host.
 
-use crate::search::places;
 use crate::{PhotonIndex, Photons};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::{Photon, Site};
@@ -38,7 +37,7 @@ impl JensenTree {
 
 impl PhotonIndex for JensenTree {
     fn search(&self, device: &Device, queries: &Buffer, count: u32, k: u32) -> Result<Neighbours, MapError> {
-        let found = places(device, count, k)?;
+        let found = Neighbours::new(device, count, k)?;
         let kernel = match capacity(k)? {
             17 => Kernel::JensenNeighbours17,
             65 => Kernel::JensenNeighbours65,

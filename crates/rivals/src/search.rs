@@ -4,7 +4,7 @@ use crate::{PhotonIndex, Photons};
 use caustic_device::{Device, Kernel, Plan};
 use caustic_kernels::layout::{Irradiance, Neighbour, Query};
 use caustic_kernels::rivals::SearchParams;
-use caustic_photon_map::{MAX_K, MapError, Neighbours, query_count, whole};
+use caustic_photon_map::{MapError, query_count, whole};
 
 /// The `k` nearest photons of each query within the radius of the index, nearest first, ties by index.
 ///
@@ -42,7 +42,7 @@ pub fn irradiance(
     let found = index.search(device, &device.upload("queries", queries)?, count, k + 1)?;
     let params = SearchParams { queries: count, k, photons: photons.count, radius2: radius * radius };
     let params = device.upload("estimate: params", &[params])?;
-    let out = device.buffer::<Irradiance>("irradiance", u64::from(count))?;
+    let out = device.scratch::<Irradiance>("irradiance", u64::from(count))?;
     let mut plan = Plan::new();
     let buffers = [&params, &photons.buffer, &photons.power, &found.neighbours, &found.counts, &out];
     plan.each(Kernel::EstimateOfNeighbours, count, &buffers);
@@ -50,19 +50,4 @@ pub fn irradiance(
     let estimates: Vec<Irradiance> = device.read(&out, u64::from(count))?;
     whole(device, estimates.iter().map(|estimate| estimate.photons))?;
     Ok(estimates)
-}
-
-/// Room for the `k` nearest of `count` queries.
-pub(crate) fn places(device: &Device, count: u32, k: u32) -> Result<Neighbours, MapError> {
-    if k == 0 || k > MAX_K {
-        return Err(MapError::K { k: u64::from(k), max: MAX_K });
-    }
-    let rows = u64::from(count) * u64::from(k);
-    if rows > u64::from(u32::MAX) {
-        return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
-    }
-    Ok(Neighbours {
-        neighbours: device.buffer::<Neighbour>("neighbours", rows)?,
-        counts: device.buffer::<u32>("neighbour counts", u64::from(count))?,
-    })
 }

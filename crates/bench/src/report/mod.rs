@@ -8,7 +8,7 @@ mod text;
 
 pub use csv::csv;
 pub use markdown::markdown;
-pub use plot::plots;
+pub use plot::{COLOURS, plots};
 pub use text::{footer, header, line};
 
 pub(crate) use format::{hash, milliseconds, peers, percent, rate, size, targets};

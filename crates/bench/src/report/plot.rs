@@ -6,14 +6,18 @@ use plotters::prelude::*;
 
 /// Size of a plot, pixels.
 const SIZE: (u32, u32) = (760, 480);
-/// Colours of series that differ for every kind of eyes (Okabe and Ito, "Color Universal Design", 2008).
-const COLOURS: [RGBColor; 6] = [
+/// Colours of series, the first seven so that they differ for every kind of eyes (Okabe and Ito, "Color Universal Design", 2008).
+pub const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
     RGBColor(204, 121, 167),
     RGBColor(230, 159, 0),
     RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+    RGBColor(140, 86, 75),
+    RGBColor(150, 150, 150),
+    RGBColor(120, 94, 240),
 ];
 
 /// The name and the SVG of each case that was measured. `device` is whose times ours are.

@@ -1,11 +1,12 @@
 //! Figures 17 and 26: memory accesses of the kernels, by a recorder (sections 5.3.1 and 5.3.4).
 
-use super::sweep::{Sweep, Vary, growth, ratios, rise, span};
+use super::sweep::{Sweep, Vary, ratios, rise, span};
 use super::{Axis, Figure, Page, Results};
 use crate::case::{Case, Map, What};
 use crate::claim::{Claim, all};
 use crate::scope::Scope;
 use crate::subject::{CAUSTIC, KD, KD_NEAREST, LINEAR, TESCHNER};
+use caustic_bench::power;
 
 const NOTE: &str = "Counted by a recorder that runs the kernels on the CPU, 32 lanes together, and counts the 32-byte sectors that they touch at once beyond the \
     fewest that their loads and stores could take; the same whatever the device. Of many queries some are recorded, and counts are scaled to all.";
@@ -64,9 +65,9 @@ pub(super) const FIG_26: Figure = Figure {
             );
             Some((all(&[low > 1.0, low > 1.5]), text))
         };
-        let linear_growth = || {
-            let kd = growth(&SIZES.thesis_points(results, KD, search))?;
-            let linear = growth(&SIZES.thesis_points(results, LINEAR, search))?;
+        let linear_power = || {
+            let kd = power(&SIZES.thesis_points(results, KD, search))?;
+            let linear = power(&SIZES.thesis_points(results, LINEAR, search))?;
             Some((all(&[kd > linear]), format!("the kd-tree's grow as Q^{kd:.2}, the linear hash's as Q^{linear:.2}.")))
         };
         let construction = || {
@@ -99,7 +100,7 @@ pub(super) const FIG_26: Figure = Figure {
                     "“the kD-Tree technique suffers from a far higher … non-coalesced memory accesses than our spatial hashing approach” (5.3.4)",
                     far(),
                 ),
-                Claim::judge("… and its increase with the query size is higher (5.3.4)", linear_growth()),
+                Claim::judge("… and its increase with the query size is higher (5.3.4)", linear_power()),
                 Claim::judge(
                     "“Another reason for the longer creation time is non-coalesced memory access” (5.1)",
                     construction(),

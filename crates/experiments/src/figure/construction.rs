@@ -1,12 +1,13 @@
 //! Figures 12 and 13: construction time (section 5.1).
 
 use super::results::build_ms;
-use super::sweep::{Sweep, Vary, growth, ratios, span};
+use super::sweep::{Sweep, Vary, ratios, span};
 use super::{Axis, Figure, Page, Results};
 use crate::case::{Case, Map};
 use crate::claim::{Claim, all};
 use crate::scope::Scope;
 use crate::subject::{BRUTE, CAUSTIC, JENSEN, KD, LINEAR, TESCHNER};
+use caustic_bench::power;
 
 const SUBJECTS: &[&str] = &[BRUTE, JENSEN, KD, LINEAR, TESCHNER, CAUSTIC];
 const GLOBAL: Sweep = Sweep { map: Map::Global, vary: Vary::Photons, subjects: SUBJECTS };
@@ -46,7 +47,7 @@ fn page(results: &Results, sweep: &Sweep) -> Page {
     let points = |subject| sweep.thesis_points(results, subject, build_ms);
     let (linear, teschner, kd) = (points(LINEAR), points(TESCHNER), points(KD));
     let constant = || {
-        let (linear, teschner) = (growth(&linear)?, growth(&teschner)?);
+        let (linear, teschner) = (power(&linear)?, power(&teschner)?);
         let text = format!(
             "time grows as N^{linear:.2} (linear) and N^{teschner:.2} (Teschner); constant is N^0, and we say almost up to N^0.25."
         );
@@ -60,7 +61,7 @@ fn page(results: &Results, sweep: &Sweep) -> Page {
         Some((all(&[low > 1.0, low > 2.0]), text))
     };
     let increases = || {
-        let kd = growth(&kd)?;
+        let kd = power(&kd)?;
         Some((all(&[kd > 0.25]), format!("its time grows as N^{kd:.2}.")))
     };
     Page {

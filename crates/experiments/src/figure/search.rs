@@ -1,7 +1,7 @@
 //! Figures 16, 18, 20 to 23, 25 and 27: search time (section 5.3).
 
 use super::results::search_ms;
-use super::sweep::{Sweep, Vary, growth, ratios, rise, span};
+use super::sweep::{Sweep, Vary, ratios, rise, span};
 use super::{Axis, Figure, Page, Results};
 use crate::case::Map;
 use crate::claim::{Claim, Verdict, all};
@@ -9,6 +9,7 @@ use crate::subject::{
     CAUSTIC, JENSEN, KD, KD_NEAREST, LINEAR, LINEAR_HEAP, LINEAR_IN_ORDER, TESCHNER, TESCHNER_HEAP, TESCHNER_IN_ORDER,
     TESCHNER_LARGE,
 };
+use caustic_bench::power;
 
 const RIVALS: &[&str] = &[JENSEN, KD, KD_NEAREST, LINEAR, TESCHNER, CAUSTIC];
 const SIZES: &[&str] = &[JENSEN, KD, KD_NEAREST, LINEAR, TESCHNER, TESCHNER_LARGE, CAUSTIC];
@@ -61,7 +62,7 @@ pub(super) const FIG_16: Figure = Figure {
         let collisions = || {
             let beyond = |subject| {
                 let points = points(results, &PHOTONS_GLOBAL, subject);
-                growth(&points.into_iter().filter(|point| point.0 >= 200_000.0).collect::<Vec<_>>())
+                power(&points.into_iter().filter(|point| point.0 >= 200_000.0).collect::<Vec<_>>())
             };
             let (teschner, linear) = (beyond(TESCHNER)?, beyond(LINEAR)?);
             let text = format!("beyond 200,000 photons it grows as N^{teschner:.2}, the linear hash as N^{linear:.2}.");
@@ -74,7 +75,7 @@ pub(super) const FIG_16: Figure = Figure {
             Some((all(&[high > 1.0, high > 1.2]), text))
         };
         let steady = || {
-            let p = growth(&points(results, &PHOTONS_GLOBAL, LINEAR))?;
+            let p = power(&points(results, &PHOTONS_GLOBAL, LINEAR))?;
             Some((all(&[p > 0.0]), format!("its time grows as N^{p:.2}.")))
         };
         let claims = vec![

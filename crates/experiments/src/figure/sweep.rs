@@ -124,12 +124,6 @@ impl Sweep {
     }
 }
 
-/// p of y ∝ xᵖ between the first and the last point.
-pub(super) fn growth(points: &[(f64, f64)]) -> Option<f64> {
-    let (first, last) = (points.first()?, points.last()?);
-    (last.0 > first.0).then(|| (last.1 / first.1).ln() / (last.0 / first.0).ln())
-}
-
 /// y of the last point over y of the first.
 pub(super) fn rise(points: &[(f64, f64)]) -> Option<f64> {
     (points.len() > 1).then(|| points[points.len() - 1].1 / points[0].1)
@@ -152,10 +146,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn growth_rise_and_ratios_are_those_of_a_power() {
+    fn rises_and_ratios_are_those_of_a_power() {
         let cubes: Vec<(f64, f64)> = [1.0, 2.0, 5.0].iter().map(|&x: &f64| (x, 4.0 * x.powi(3))).collect();
-        assert!((growth(&cubes).unwrap() - 3.0).abs() < 1e-12);
-        assert_eq!((rise(&cubes), growth(&cubes[..1]), rise(&[])), (Some(125.0), None, None));
+        assert_eq!((rise(&cubes), rise(&[])), (Some(125.0), None));
         let squares: Vec<(f64, f64)> = [2.0, 5.0, 7.0].iter().map(|&x: &f64| (x, x * x)).collect();
         assert_eq!(ratios(&cubes, &squares), Some(vec![(2.0, 8.0), (5.0, 20.0)]));
         assert_eq!((ratios(&cubes, &[]), span(&squares)), (None, (4.0, 49.0)));

@@ -10,9 +10,9 @@ use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
 
-/// The page. `command` makes it again.
+/// The page.
 #[must_use]
-pub fn html(store: &Store, made: &[Made], command: &str) -> String {
+pub fn html(store: &Store, made: &[Made]) -> String {
     let mut page = String::new();
     let device = escaped(&store.header.machine.title());
     let _ = write!(
@@ -21,7 +21,7 @@ pub fn html(store: &Store, made: &[Made], command: &str) -> String {
          <title>The thesis's experiments on {device}</title><style>{STYLE}</style></head><body>\n\
          <h1>“Photon Mapping on the GPU”, measured again</h1>\n"
     );
-    introduction(&mut page, store, command);
+    introduction(&mut page, store);
     summary(&mut page, made);
     for made in made {
         figure(&mut page, made);
@@ -30,7 +30,7 @@ pub fn html(store: &Store, made: &[Made], command: &str) -> String {
     page
 }
 
-fn introduction(page: &mut String, store: &Store, command: &str) {
+fn introduction(page: &mut String, store: &Store) {
     let machine = &store.header.machine;
     let range = if store.header.quick { "cut short (--quick)" } else { "whole, and beyond the thesis's" };
     let rows = [
@@ -40,7 +40,7 @@ fn introduction(page: &mut String, store: &Store, command: &str) {
         ("Program", format!("caustic {}, commit {}, {}", machine.caustic, machine.commit, machine.rustc)),
         ("Begun", store.header.date.clone()),
         ("Ranges", range.to_string()),
-        ("Command", command.to_string()),
+        ("Command", store.header.command.clone()),
     ];
     *page += "<p>Each figure and table of chapter 5 of Fleisz's thesis (2009) that holds a measurement, from the same scene, with what the thesis \
               says of it and whether that holds here. All techniques are exact: their results are compared bit for bit. Times are medians. \

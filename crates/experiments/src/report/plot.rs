@@ -1,23 +1,13 @@
 //! Plots as SVG.
 
 use crate::figure::{Axis, Chart};
+use caustic_bench::report::COLOURS;
 use plotters::prelude::*;
 
 /// Size, pixels.
-const SIZE: (u32, u32) = (820, 500);
-/// Colours that differ for every kind of eyes (Okabe and Ito, "Color Universal Design", 2008); subjects beyond them have other shades.
-const COLOURS: [RGBColor; 10] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(230, 159, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(60, 60, 60),
-    RGBColor(140, 86, 75),
-    RGBColor(150, 150, 150),
-    RGBColor(120, 94, 240),
-];
+const SIZE: (u32, u32) = (1020, 500);
+/// What of it the plot takes; the rest says which line is whose.
+const PLOT: i32 = 760;
 
 /// A chart as SVG.
 ///
@@ -40,7 +30,8 @@ fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Erro
     let (horizontal, vertical) = (range(|point| point.0), range(|point| point.1));
     let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
-    let mut context = ChartBuilder::on(&root)
+    let (plot, beside) = root.split_horizontally(PLOT);
+    let mut context = ChartBuilder::on(&plot)
         .caption(&chart.title, ("sans-serif", 17))
         .margin(12)
         .x_label_area_size(42)
@@ -55,30 +46,24 @@ fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Erro
         .label_style(("sans-serif", 13))
         .light_line_style(BLACK.mix(0.05))
         .draw()?;
+    let mut names = Vec::new();
     if let Some(to) = chart.thesis_to {
         let line = [(to, vertical.start), (to, vertical.end)];
-        context
-            .draw_series(DashedLineSeries::new(line, 5, 4, BLACK.mix(0.6).stroke_width(1)))?
-            .label("the thesis's range ends here")
-            .legend(|(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], BLACK.mix(0.6)));
+        context.draw_series(DashedLineSeries::new(line, 5, 4, BLACK.mix(0.6).stroke_width(1)))?;
+        names.push((BLACK.mix(0.6).stroke_width(1), "the thesis's range ends here"));
     }
     for line in &chart.lines {
         let colour = COLOURS[line.subject % COLOURS.len()];
         // Those beyond the colours are thinner.
-        let width = if line.subject < COLOURS.len() { 2 } else { 1 };
-        context
-            .draw_series(LineSeries::new(line.points.iter().copied(), colour.stroke_width(width)))?
-            .label(&line.label)
-            .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 18, y)], colour.stroke_width(width)));
+        let style = colour.stroke_width(if line.subject < COLOURS.len() { 2 } else { 1 });
+        context.draw_series(LineSeries::new(line.points.iter().copied(), style))?;
         context.draw_series(line.points.iter().map(|&point| Circle::new(point, 3, colour.filled())))?;
+        names.push((style, &line.label));
     }
-    context
-        .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.3))
-        .label_font(("sans-serif", 13))
-        .draw()?;
+    for ((style, name), y) in names.into_iter().zip((50..).step_by(22)) {
+        beside.draw(&PathElement::new(vec![(8, y + 7), (28, y + 7)], style))?;
+        beside.draw(&Text::new(name, (36, y), ("sans-serif", 13)))?;
+    }
     root.present()?;
     Ok(())
 }

@@ -26,7 +26,7 @@ pub(super) struct Roots {
 /// Builds the tree; returns its quads and the numbers of levels of both stages.
 pub(super) fn tree(device: &Device, photons: &Photons, radius: f32) -> Result<(Buffer, [u32; 2]), MapError> {
     let count = photons.count;
-    let tree = device.buffer::<Site>("kd-tree", u64::from(kd_quads(count)))?;
+    let tree = device.scratch::<Site>("kd-tree", u64::from(kd_quads(count)))?;
     if count == 0 {
         return Ok((tree, [0, 0]));
     }
@@ -45,7 +45,7 @@ pub(super) fn tree(device: &Device, photons: &Photons, radius: f32) -> Result<(B
 fn sort(device: &Device, photons: &Photons) -> Result<Orders, MapError> {
     let count = photons.count;
     let level = device.upload("kd: level", &[KdLevel { photons: count, ..KdLevel::default() }])?;
-    let buffer = |name, length: u64| device.buffer::<u32>(name, length);
+    let buffer = |name, length: u64| device.scratch::<u32>(name, length);
     let of_axis = || buffer("sort: keys", u64::from(count));
     let keys = [of_axis()?, of_axis()?, of_axis()?];
     let mut plan = Plan::new();

@@ -17,16 +17,16 @@ pub(super) fn split(
     let count = photons.count;
     let mut now = orders;
     let mut next = Orders {
-        orders: device.buffer::<u32>("kd: orders", 3 * u64::from(count))?,
-        owners: device.buffer::<u32>("kd: owners", u64::from(count))?,
+        orders: device.scratch::<u32>("kd: orders", 3 * u64::from(count))?,
+        owners: device.scratch::<u32>("kd: owners", u64::from(count))?,
     };
-    let sides = device.buffer::<u32>("kd: sides", u64::from(count))?;
-    let flags = device.buffer::<u32>("kd: sides in lists", 3 * u64::from(count))?;
+    let sides = device.scratch::<u32>("kd: sides", u64::from(count))?;
+    let flags = device.scratch::<u32>("kd: sides in lists", 3 * u64::from(count))?;
     let mut scan_flags = Plan::new();
     scan_flags.scope("kd large");
     let [sums, offsets, _] = scan(device, &mut scan_flags, &flags, 3 * count)?;
     // Every small node has a photon.
-    let roots = device.buffer::<KdSmall>("kd: small nodes", u64::from(count))?;
+    let roots = device.scratch::<KdSmall>("kd: small nodes", u64::from(count))?;
     let mut small = 0;
     let root = KdLarge {
         begin: 0,
@@ -41,11 +41,11 @@ pub(super) fn split(
     while active > 0 {
         let level = KdLevel { photons: count, nodes: active, level: levels, roots: small, radius: 0.0 };
         let level = device.upload("kd: level", &[level])?;
-        let splits = device.buffer::<KdSplit>("kd: splits", u64::from(active))?;
-        let children = device.buffer::<KdLarge>("kd: children", 2 * u64::from(active))?;
-        let is_large = device.buffer::<u32>("kd: large children", 2 * u64::from(active))?;
+        let splits = device.scratch::<KdSplit>("kd: splits", u64::from(active))?;
+        let children = device.scratch::<KdLarge>("kd: children", 2 * u64::from(active))?;
+        let is_large = device.scratch::<u32>("kd: large children", 2 * u64::from(active))?;
         let most = (2 * active).min(count / (KD_SMALL + 1));
-        let next_nodes = device.buffer::<KdLarge>("kd: large nodes", u64::from(most))?;
+        let next_nodes = device.scratch::<KdLarge>("kd: large nodes", u64::from(most))?;
         let mut plan = Plan::new();
         plan.scope("kd large");
         let split = [&level, &photons.buffer, &now.orders, &nodes, &splits, &children, &is_large, tree];

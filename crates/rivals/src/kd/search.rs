@@ -2,10 +2,9 @@
 
 use super::{KD_HISTOGRAMS, KdSearch, KdTree};
 use caustic_device::{Buffer, Device, Kernel, Plan};
-use caustic_kernels::layout::Neighbour;
 use caustic_kernels::rivals::SearchParams;
 use caustic_kernels::rivals::kd::KdRadius;
-use caustic_photon_map::{MAX_K, MapError, Neighbours, capacity};
+use caustic_photon_map::{MapError, Neighbours, capacity};
 
 impl KdTree {
     /// Appends the search for the `k` nearest photons of `count` queries to a plan.
@@ -18,18 +17,10 @@ impl KdTree {
         k: u32,
         search: KdSearch,
     ) -> Result<Neighbours, MapError> {
-        if k > MAX_K {
-            return Err(MapError::K { k: u64::from(k), max: MAX_K });
-        }
+        let Neighbours { neighbours, counts } = Neighbours::new(device, count, k)?;
         let capacity = capacity(k)?;
-        let rows = u64::from(count) * u64::from(k);
-        if rows > u64::from(u32::MAX) {
-            return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
-        }
         let params = SearchParams { queries: count, k, photons: self.photons, radius2: self.radius * self.radius };
         let params = device.upload("search: params", &[params])?;
-        let neighbours = device.buffer::<Neighbour>("neighbours", rows)?;
-        let counts = device.buffer::<u32>("neighbour counts", u64::from(count))?;
         match search {
             KdSearch::Nearest => {
                 let kernel = match capacity {
@@ -66,7 +57,7 @@ impl KdTree {
     ) -> Result<Buffer, MapError> {
         let params = KdRadius { queries: count, k, photons: self.photons, iterations, radius: self.radius };
         let params = device.upload("kd: radius", &[params])?;
-        let radii2 = device.buffer::<f32>("kd: radii", u64::from(count))?;
+        let radii2 = device.scratch::<f32>("kd: radii", u64::from(count))?;
         plan.each(Kernel::KdRadii, count, &[&params, queries, &self.tree, &radii2]);
         Ok(radii2)
     }

@@ -25,8 +25,8 @@ pub(super) fn split(
     loop {
         let level = KdLevel { photons: photons.count, nodes: active, level: levels, roots: 0, radius };
         let level = device.upload("kd: level", &[level])?;
-        let lefts = device.buffer::<u32>("kd: left sets", u64::from(active))?;
-        let is_split = device.buffer::<u32>("kd: split nodes", u64::from(active))?;
+        let lefts = device.scratch::<u32>("kd: left sets", u64::from(active))?;
+        let is_split = device.scratch::<u32>("kd: split nodes", u64::from(active))?;
         plan.each(Kernel::KdSplitSmall, active, &[&level, &nodes, &members, &masks, &lefts, &is_split, tree]);
         let [sums, offsets, totals] = scan(device, &mut plan, &is_split, active)?;
         device.run(&plan)?;
@@ -37,7 +37,7 @@ pub(super) fn split(
         // Goes with the next level.
         plan = Plan::new();
         plan.scope("kd small");
-        let next = device.buffer::<KdSmall>("kd: small nodes", 2 * u64::from(split))?;
+        let next = device.scratch::<KdSmall>("kd: small nodes", 2 * u64::from(split))?;
         plan.each(Kernel::KdCompact, active, &[&level, &nodes, &lefts, &sums, &offsets, &next]);
         nodes = next;
         active = 2 * split;
@@ -49,8 +49,8 @@ pub(super) fn split(
 fn prepare(device: &Device, photons: &Photons, orders: Orders, roots: &Roots) -> Result<(Buffer, Buffer), MapError> {
     let count = photons.count;
     let level = device.upload("kd: level", &[KdLevel { photons: count, ..KdLevel::default() }])?;
-    let members = device.buffer::<Site>("kd: members", u64::from(count))?;
-    let masks = device.buffer::<u32>("kd: masks", 3 * u64::from(count))?;
+    let members = device.scratch::<Site>("kd: members", u64::from(count))?;
+    let masks = device.scratch::<u32>("kd: masks", 3 * u64::from(count))?;
     let mut plan = Plan::new();
     plan.scope("kd small");
     plan.each(Kernel::KdMembers, count, &[&level, &photons.buffer, &orders.orders, &members]);
