@@ -115,6 +115,21 @@ impl Arrival {
     pub fn primitive(self) -> u32 {
         words(self.middle)[3]
     }
+
+    /// The same with the normal of the side on which it arrived, packed like its direction.
+    #[inline]
+    #[must_use]
+    pub fn with_side(self, side: u32) -> Self {
+        let low = words(self.low);
+        Self { low: quad(low[0], low[1], low[2], side), ..self }
+    }
+
+    /// Normal of the side on which it arrived, if [`with_side`](Self::with_side) has given it one.
+    #[inline]
+    #[must_use]
+    pub fn side(self) -> u32 {
+        words(self.low)[3]
+    }
 }
 
 /// A point at which photons are sought.

@@ -105,6 +105,27 @@ macro_rules! stages {
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_density[false, _];
+            each FaceArrivals = face_arrivals [256] (
+                0 grid: One Grid, 1 primitives: In Primitive, 2 sites: In Site, 3 arrivals: InOut Arrival
+            ) = gather::face_arrivals;
+            columns(Columns) ReachHistogram = reach_histogram [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 reaches: Out Reach
+            ) = gather::gather_reach[true, _];
+            columns(Columns) ReachHistogramHashed = reach_histogram_hashed [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 begins: In u32, 7 reaches: Out Reach
+            ) = gather::gather_reach[false, _];
+            each IrradianceFiltered = irradiance_filtered [64] (
+                0 params: One EstimateParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 reaches: In Reach, 6 vertices: In Vertex, 7 primitives: In Primitive, 8 sites: In Site,
+                9 arrivals: In Arrival, 10 begins: In u32, 11 power: In u32, 12 irradiance: Out Irradiance
+            ) = gather::gather_filtered[true, _];
+            each IrradianceFilteredHashed = irradiance_filtered_hashed [64] (
+                0 params: One EstimateParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 reaches: In Reach, 6 vertices: In Vertex, 7 primitives: In Primitive, 8 sites: In Site,
+                9 arrivals: In Arrival, 10 begins: In u32, 11 power: In u32, 12 irradiance: Out Irradiance
+            ) = gather::gather_filtered[false, _];
             columns(WideColumns) NeighboursHistogram = neighbours_histogram [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
@@ -305,7 +326,8 @@ macro_rules! stages {
                 4 words: Out u32
             ) = probe::layout_map;
             each LayoutGrid = layout_grid [64] (
-                0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 words: Out u32
+                0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 estimate: In EstimateParams,
+                4 reaches: In Reach, 5 words: Out u32
             ) = probe::layout_grid;
             each LayoutRivals = layout_rivals [64] (
                 0 search: In SearchParams, 1 brute: In BruteParams, 2 words: Out u32

@@ -8,12 +8,16 @@ mod bins;
 mod counting;
 mod density;
 mod estimate;
+mod filter;
+mod filtered;
 mod heap;
 mod kth;
 mod list;
 mod neighbours;
 mod power;
+mod reach;
 mod search;
+mod surface;
 
 pub(crate) use bins::{BINS, bin_of, clear, count};
 pub use bins::{COLUMN_LANES, Columns};
@@ -21,11 +25,17 @@ pub use counting::gather_irradiance_by_counting;
 pub use density::gather_density;
 pub(crate) use estimate::over_disc;
 pub use estimate::{gather_irradiance, gather_neighbours};
+pub use filter::{
+    FILTER_CONE, FILTER_CONSTANT, FILTER_EPANECHNIKOV, FILTER_GAUSSIAN, filter_integral, filter_weight,
+};
+pub use filtered::{EstimateParams, gather_filtered};
 pub use heap::Heap;
 pub use list::SortedList;
 pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
 pub(crate) use power::Power;
+pub use reach::{Reach, gather_reach};
 pub use search::{distance2, root_above, search, search_share};
+pub use surface::{SURFACE_ANY, SURFACE_FACING, SURFACE_OWN, face_arrivals};
 
 use crate::exec::Input;
 use crate::layout::Site;

@@ -27,6 +27,18 @@ impl Power {
         self.low = sums(self.low, low);
     }
 
+    /// Adds a photon's power times a weight of at most 1, rounded to `f32`. `scale` are the largest powers of the map.
+    #[inline]
+    pub(super) fn add_weighted(&mut self, arrival: Arrival, weight: f32, scale: [f32; 3]) {
+        let [high, middle, low] = arrival.limbs();
+        let red = Limbs::of(Limbs([high[0], middle[0], low[0]]).value(scale[0]) * weight, scale[0]).0;
+        let green = Limbs::of(Limbs([high[1], middle[1], low[1]]).value(scale[1]) * weight, scale[1]).0;
+        let blue = Limbs::of(Limbs([high[2], middle[2], low[2]]).value(scale[2]) * weight, scale[2]).0;
+        self.high = sums(self.high, [red[0], green[0], blue[0]]);
+        self.middle = sums(self.middle, [red[1], green[1], blue[1]]);
+        self.low = sums(self.low, [red[2], green[2], blue[2]]);
+    }
+
     /// Adds the power of a photon that is not in limbs yet; `power` as in [`Power::value`].
     #[inline]
     pub(crate) fn add_photon(&mut self, photon: &Photon, power: &Input<u32>) {

@@ -5,7 +5,7 @@
 //! as a compiler says.
 
 use crate::exec::{Input, Store};
-use crate::gather::GatherParams;
+use crate::gather::{EstimateParams, GatherParams, Reach};
 use crate::grid::{Grid, Row};
 use crate::layout::{Irradiance, Neighbour, Photon, Query};
 use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
@@ -90,7 +90,9 @@ layouts! {
     layout_grid(
         grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack, rows },
         rows: Row { y, z, least2 },
-        gather: GatherParams { queries, k, guess }
+        gather: GatherParams { queries, k, guess },
+        estimate: EstimateParams { queries, filter, surface, reach },
+        reaches: Reach { radius2, photon, photons }
     );
     /// Records of other techniques.
     layout_rivals(
