@@ -1,7 +1,7 @@
 //! Which words of a record are floats.
 
 use bytemuck::Pod;
-use caustic_kernels::gather::GatherParams;
+use caustic_kernels::gather::{EstimateParams, GatherParams, Reach};
 use caustic_kernels::grid::{Grid, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
@@ -9,7 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, FilmTile, GatherTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo,
+    Target, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -41,6 +42,8 @@ records! {
     Grid: "ffffuuuuuufffu",
     Row: "uuf",
     GatherParams: "uuf",
+    EstimateParams: "uuuu",
+    Reach: "fuu",
     SearchParams: "uuuf",
     BruteParams: "uuuuuf",
     KdLevel: "uuuuf",
@@ -61,6 +64,7 @@ records! {
     Camera: "fffufffuffffff",
     Vertex: "fffuffffffu",
     FilmTile: "uuuu",
+    GatherTile: "uuuuu",
     Pixel: "fffuuuuu",
     // Bits of operands and results, NaN among them.
     Arithmetic: "uuuuuuuuuuuuuuuuuu",

@@ -310,6 +310,18 @@ macro_rules! stages {
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 lights: In Light, 5 queries: In Query, 6 vertices: In Vertex, 7 direct: Out Irradiance
             ) = trace::shade_direct;
+            each TracePaths = trace_paths [64] (
+                0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
+                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 vertices: Out Vertex
+            ) = trace::trace_paths;
+            each TraceGather = trace_gather [64] (
+                0 tile: One GatherTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
+                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex,
+                8 gather_queries: Out Query, 9 gather_vertices: Out Vertex
+            ) = trace::trace_gather;
+            each SumGather = sum_gather [64] (
+                0 tile: One GatherTile, 1 gather_vertices: In Vertex, 2 estimates: In Irradiance, 3 irradiance: Out Irradiance
+            ) = trace::sum_gather;
             each DevelopFilm = develop_film [64] (
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
                 4 caustic: In Irradiance, 5 film: Out Pixel
@@ -345,7 +357,7 @@ macro_rules! stages {
             ) = probe::layout_scene;
             each LayoutFilm = layout_film [64] (
                 0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,
-                5 words: Out u32
+                5 gather: In GatherTile, 6 words: Out u32
             ) = probe::layout_film;
         }
     };

@@ -25,6 +25,6 @@ mod sort;
 
 pub use error::MapError;
 pub use grid::{MAX_TABLE, RADII, bounds, plan_grid, rows};
-pub use map::{Neighbours, PhotonMap, query_count, sample, whole};
+pub use map::{Estimate, Filter, Neighbours, PhotonMap, Seen, Surface, query_count, sample, whole};
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use sort::{RadixSort, scan};

@@ -1,5 +1,9 @@
 //! The photon map: its construction and its search, as plans or at once.
 
+mod estimate;
+
+pub use estimate::{Estimate, Filter, Seen, Surface};
+
 use crate::grid::{MAX_PHOTONS, bounds, plan_grid, rows};
 use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MAX_K, MapError, MapOptions, RadixSort};
@@ -147,7 +151,7 @@ impl PhotonMap {
     ) -> Result<(), MapError> {
         let kernel = irradiance_kernel(gather, k, device.is_gpu(), self.grid.hash == HASH_LINEAR)?;
         let search = self.plan_search(device, plan, queries, count, k, k + 1)?;
-        plan.each(kernel, count, &self.estimate(&search, queries, out));
+        plan.each(kernel, count, &self.estimate_buffers(&search, queries, out));
         Ok(())
     }
 
@@ -167,7 +171,7 @@ impl PhotonMap {
         let search = self.plan_search(device, plan, queries, count, 0, 1)?;
         let linear = self.grid.hash == HASH_LINEAR;
         let kernel = if linear { Kernel::IrradianceDensity } else { Kernel::IrradianceDensityHashed };
-        plan.each(kernel, count, &self.estimate(&search, queries, out));
+        plan.each(kernel, count, &self.estimate_buffers(&search, queries, out));
         Ok(())
     }
 
@@ -219,7 +223,7 @@ impl PhotonMap {
     }
 
     /// The buffers of an estimate.
-    fn estimate<'a>(&'a self, search: &'a Search, queries: &'a Buffer, out: &'a Buffer) -> [&'a Buffer; 10] {
+    fn estimate_buffers<'a>(&'a self, search: &'a Search, queries: &'a Buffer, out: &'a Buffer) -> [&'a Buffer; 10] {
         let Search { params, order } = search;
         let Self { grid_buffer, rows, sites, arrivals, begins, power, .. } = self;
         [params, grid_buffer, rows, queries, order, sites, arrivals, begins, power, out]

@@ -53,6 +53,15 @@ pub enum RenderError {
     /// The caller asked to stop before there was an image.
     #[error("interrupted before there was an image")]
     Interrupted,
+    /// No radius could be found from the density of photons.
+    #[error("no radius could be found: {reason}; give one with --radius")]
+    NoRadius {
+        /// Why.
+        reason: String,
+    },
+    /// What is done after a pass went wrong.
+    #[error("{0}")]
+    AfterPass(String),
     /// The photon map refused its input.
     #[error(transparent)]
     Map(#[from] MapError),

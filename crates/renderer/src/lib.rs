@@ -3,19 +3,23 @@
 pub mod output;
 pub mod scene;
 
+mod accumulate;
 mod crowd;
 mod error;
+mod frame;
 mod pace;
 mod passes;
 mod photons;
+mod radius;
 mod render;
 mod report;
 mod settings;
 mod verify;
 
+pub use accumulate::ProgressState;
 pub use error::RenderError;
 pub use passes::{View, trace_photons};
-pub use render::{Rendered, render};
+pub use render::{Rendered, render, render_on};
 pub use report::{MapReport, Progress, RenderReport};
-pub use settings::{MAX_PIXELS, Settings, Show};
+pub use settings::{DEFAULT_PASSES, Integrator, MAX_FINAL_GATHER, MAX_PASSES, MAX_PIXELS, Settings, Show, Stop};
 pub use verify::{ImageComparison, Verification, verify};

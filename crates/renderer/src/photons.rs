@@ -62,15 +62,15 @@ pub(crate) struct PassKind {
 
 impl PassKind {
     /// Direct light comes from shadow rays, so the global map of a picture holds only what was reflected before; shown by
-    /// itself, it holds all.
-    pub(crate) fn global(emitted: u32, show: Show) -> Self {
+    /// itself, it holds all, as it does for a final gather, whose rays see direct light as well.
+    pub(crate) fn global(emitted: u32, show: Show, gathered: bool) -> Self {
         Self {
             map: "global",
             phase: "global photons",
             flag: "photons",
             emitted,
             rays: RAY_GLOBAL,
-            stored_from: u32::from(show != Show::MapGlobal),
+            stored_from: u32::from(show != Show::MapGlobal && !gathered),
             wanted: show != Show::Beauty,
         }
     }
@@ -102,18 +102,25 @@ pub(crate) fn photon_map(
     let Some(unsorted) = photons else { return Ok((None, report)) };
     let stored = u64::from(report.photons_stored);
     let (low, high) = scene.diffuse_bounds;
-    // Paths are independent, so the first photons are as good a sample as any.
-    let first: Vec<Photon> = device.read(&unsorted, stored.min(SAMPLE))?;
-    let positions: Vec<[f32; 3]> = first.iter().map(|photon| photon.position).collect();
+    let positions = sample(device, &unsorted, stored)?;
     let options = MapOptions { radius: settings.radius, hash: settings.hash, table: None, cell: None };
     let grid = plan_grid(low, high, stored, &positions, &options)?;
     let mut plan = Plan::new();
     plan.scope(kind.map);
     let map = PhotonMap::plan(device, &mut plan, &unsorted, grid)?;
+    if settings.estimate().needs_sides() {
+        map.plan_sides(&mut plan, &buffers.primitives);
+    }
     device.run(&plan)?;
     report.table_entries = grid.table;
     report.bytes = map.bytes();
     Ok((Some(map), report))
+}
+
+/// Positions of some of the `stored` photons of a pass, m. Paths are independent, so the first photons are as good a sample as any.
+pub(crate) fn sample(device: &Device, photons: &Buffer, stored: u64) -> Result<Vec<[f32; 3]>, RenderError> {
+    let first: Vec<Photon> = device.read(photons, stored.min(SAMPLE))?;
+    Ok(first.iter().map(|photon| photon.position).collect())
 }
 
 /// Traces the photons of a pass, in the order of their paths. There is no buffer if nothing was stored.

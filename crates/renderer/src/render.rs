@@ -1,21 +1,17 @@
-//! The render: photon maps first, then the image, tile by tile.
+//! The render: passes until there are enough, added up.
 
+use crate::accumulate::{ProgressState, pass_radius, pass_seed};
+use crate::frame::{Frame, Pass};
 use crate::output::Image;
-use crate::pace::Pace;
-use crate::photons::{PassKind, SceneBuffers, photon_map};
-use crate::report::{MapReport, Progress, RenderReport};
-use crate::scene::{CompiledScene, Scene};
-use crate::{RenderError, Settings};
-use caustic_device::{Buffer, Device, Kernel, Plan};
-use caustic_kernels::layout::{Irradiance, Query};
-use caustic_kernels::trace::{CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, Vertex};
-use caustic_photon_map::PhotonMap;
+use crate::photons::SceneBuffers;
+use crate::radius::find_radius;
+use crate::report::{Progress, RenderReport};
+use crate::scene::Scene;
+use crate::{Integrator, RenderError, Settings};
+use caustic_device::Device;
+use caustic_kernels::trace::Pixel;
+use caustic_photon_map::RADII;
 use std::time::Instant;
-
-/// Camera samples of one tile: the unit of progress. A GPU needs more of them to be busy; it begins with a part of that.
-const CPU_SAMPLES: u32 = 1 << 17;
-const GPU_FIRST_SAMPLES: u32 = 1 << 19;
-const GPU_SAMPLES: u32 = 1 << 21;
 
 /// A finished render.
 pub struct Rendered {
@@ -26,7 +22,7 @@ pub struct Rendered {
 }
 
 /// Renders a scene. `progress` is called now and then, and the render stops when it returns false: with
-/// [`RenderError::Interrupted`] while there is no image yet, afterwards with the rows that are finished.
+/// [`RenderError::Interrupted`] while there is no image yet, afterwards with the passes that are finished, or with the rows of the first one.
 ///
 /// # Errors
 /// All of [`RenderError`].
@@ -36,47 +32,103 @@ pub fn render(
     device: &Device,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Rendered, RenderError> {
+    render_on(scene, settings, device, None, progress, &mut |_| Ok(()))
+}
+
+/// [`render`] that goes on from the passes in `start`, if any, and hands what there is after each pass to `after`. A render that goes on
+/// gives the bits of one that was never stopped, if scene and settings but for [`Settings::stop`] are the same.
+///
+/// # Errors
+/// All of [`RenderError`], and those of `after`.
+///
+/// # Panics
+/// If `start` has another size than the picture.
+pub fn render_on(
+    scene: &Scene,
+    settings: &Settings,
+    device: &Device,
+    start: Option<ProgressState>,
+    progress: &mut dyn FnMut(Progress) -> bool,
+    after: &mut dyn FnMut(&ProgressState) -> Result<(), RenderError>,
+) -> Result<Rendered, RenderError> {
     settings.validate()?;
-    let start = Instant::now();
+    let clock = Instant::now();
     let compiled = scene.compile();
     let buffers = SceneBuffers::new(device, &compiled)?;
+    let frame = Frame::new(device, scene, &compiled, &buffers, settings)?;
     let mut notes = Vec::new();
-    let mut maps = Vec::new();
-    let mut map = |kind: Option<PassKind>| match kind {
-        Some(kind) => build(device, &compiled, &buffers, settings, &kind, &mut maps, &mut notes, progress),
-        None => Ok(None),
+    let mut state = match start {
+        Some(state) => {
+            assert_eq!(state.size, settings.size, "the size of the passes");
+            state
+        }
+        None => {
+            let (radius, note) = find_radius(&frame, progress)?;
+            notes.extend(note);
+            ProgressState::new(settings.size, radius)
+        }
     };
-    let global = map(global_pass(settings))?;
-    let caustic = map(caustic_pass(settings, &compiled))?;
-    if settings.show.parts() & PART_CAUSTIC != 0 && !compiled.has_specular {
-        notes.push("no caustic map: nothing in the scene is specular".to_string());
+    let radius_of = |state: &ProgressState| match settings.integrator {
+        Integrator::Progressive => pass_radius(state.first_radius, state.passes, settings.alpha, *RADII.start()),
+        _ => state.first_radius,
+    };
+    let mut radius = radius_of(&state);
+    let mut maps = Vec::new();
+    let mut partial = None;
+    let mut stopped_by = reached(settings, &state, &clock);
+    while stopped_by.is_none() {
+        radius = radius_of(&state);
+        let alone = settings.passes() == Some(1);
+        let mut within = |now: Progress| {
+            if alone { progress(now) } else { progress(overall(settings, &state, &clock, now)) }
+        };
+        match frame.pass(pass_seed(settings.seed, state.passes), radius, &mut within) {
+            Ok(pass) if pass.complete => {
+                check(device, &pass.film)?;
+                let emitted = pass.maps.iter().map(|map| u64::from(map.photons_emitted)).sum();
+                state.add(&pass.film, emitted);
+                maps = pass.maps;
+                if state.passes == 1 {
+                    notes.extend(pass.notes);
+                }
+                after(&state)?;
+                stopped_by = reached(settings, &state, &clock);
+            }
+            // Of the first pass there are rows to show.
+            Ok(Pass { film, notes: more, maps: built, .. }) if state.passes == 0 => {
+                check(device, &film)?;
+                (maps, partial) = (built, Some(film));
+                notes.extend(more);
+                stopped_by = Some("interrupted");
+            }
+            Err(RenderError::Interrupted) if state.passes == 0 => return Err(RenderError::Interrupted),
+            Ok(_) | Err(RenderError::Interrupted) => stopped_by = Some("interrupted"),
+            Err(error) => return Err(error),
+        }
     }
-
-    let camera = Camera { device, scene, buffers: &buffers, settings };
-    let (film, complete) = camera.film(global.as_ref(), caustic.as_ref(), progress)?;
-    let count = |of: fn(&Pixel) -> u32| film.iter().map(|pixel| u64::from(of(pixel))).sum::<u64>();
-    let cut_short = count(|pixel| pixel.cut_short);
-    if cut_short > 0 {
-        return Err(RenderError::CutShort { device: device.name(), searches: cut_short });
+    let mut shown = state.clone();
+    if let Some(film) = &partial {
+        shown.add(film, 0);
     }
-    let lost = count(|pixel| pixel.lost);
-    if lost > 0 {
-        notes.push(format!("{lost} camera paths were given up among mirrors and glass; they count as black"));
+    if shown.lost > 0 {
+        notes.push(format!("{} camera paths were given up among mirrors and glass; they count as black", shown.lost));
     }
-    let not_finite = count(|pixel| pixel.not_finite);
-    if not_finite > 0 {
-        notes.push(format!(
-            "{not_finite} camera samples were not finite and count as black: a radius or power is extreme"
-        ));
+    if shown.not_finite > 0 {
+        let count = shown.not_finite;
+        notes.push(format!("{count} camera samples were not finite and count as black: a radius or power is extreme"));
     }
-    let [width, height] = settings.size;
-    let image = Image { width, height, rgb: film.iter().map(|pixel| pixel.rgb).collect() };
+    let image = shown.image();
     let report = RenderReport {
         device: device.name(),
-        complete,
-        seconds: start.elapsed().as_secs_f64(),
+        complete: stopped_by != Some("interrupted"),
+        passes: state.passes,
+        stopped_by: stopped_by.unwrap_or_default(),
+        radius_m: radius,
+        noise: state.noise(),
+        photons_emitted: state.photons,
+        seconds: clock.elapsed().as_secs_f64(),
         maps,
-        camera_rays: count(|pixel| pixel.rays),
+        camera_rays: shown.rays,
         notes,
         stages: device.stage_times(),
         buffers: device.buffer_bytes(),
@@ -84,6 +136,50 @@ pub fn render(
         mean_radiance: mean(&image),
     };
     Ok(Rendered { image, report })
+}
+
+/// Refuses a film that a device did not finish.
+fn check(device: &Device, film: &[Pixel]) -> Result<(), RenderError> {
+    match film.iter().map(|pixel| u64::from(pixel.cut_short)).sum() {
+        0 => Ok(()),
+        searches => Err(RenderError::CutShort { device: device.name(), searches }),
+    }
+}
+
+/// What says that there are enough passes.
+fn reached(settings: &Settings, state: &ProgressState, clock: &Instant) -> Option<&'static str> {
+    let stop = &settings.stop;
+    if state.passes == 0 {
+        return None;
+    }
+    if settings.passes().is_some_and(|passes| state.passes >= passes) {
+        Some("passes")
+    } else if stop.photons.is_some_and(|photons| state.photons >= photons) {
+        Some("photons")
+    } else if stop.seconds.is_some_and(|seconds| clock.elapsed().as_secs_f64() >= seconds) {
+        Some("time")
+    } else if stop.error.is_some_and(|error| state.noise().is_some_and(|noise| noise <= error)) {
+        Some("error")
+    } else {
+        None
+    }
+}
+
+/// Progress of all passes: that of whatever is going to end them first.
+fn overall(settings: &Settings, state: &ProgressState, clock: &Instant, now: Progress) -> Progress {
+    const TOTAL: u64 = 1 << 20;
+    let within = if now.phase == "image" { now.done as f64 / now.total.max(1) as f64 } else { 0.0 };
+    let done = f64::from(state.passes) + within;
+    let stop = &settings.stop;
+    let parts = [
+        settings.passes().map(|passes| done / f64::from(passes)),
+        stop.seconds.map(|seconds| clock.elapsed().as_secs_f64() / seconds),
+        stop.photons.map(|photons| state.photons as f64 / photons as f64),
+        // Noise falls with the number of passes.
+        stop.error.and_then(|error| Some(error / state.noise()? * done / f64::from(state.passes))),
+    ];
+    let part = parts.into_iter().flatten().fold(0.0, f64::max).min(1.0);
+    Progress { phase: "passes", done: (part * TOTAL as f64) as u64, total: TOTAL }
 }
 
 /// Mean radiance of an image, W·sr⁻¹·m⁻².
@@ -95,135 +191,4 @@ fn mean(image: &Image) -> [f64; 3] {
         }
     }
     sum.map(|sum| sum / image.rgb.len() as f64)
-}
-
-fn global_pass(settings: &Settings) -> Option<PassKind> {
-    let wanted = settings.show.parts() & PART_GLOBAL != 0;
-    wanted.then(|| PassKind::global(settings.photons, settings.show))
-}
-
-fn caustic_pass(settings: &Settings, scene: &CompiledScene) -> Option<PassKind> {
-    let wanted = settings.show.parts() & PART_CAUSTIC != 0;
-    let possible = wanted && scene.has_specular && settings.caustic_photons > 0;
-    possible.then(|| PassKind::caustic(settings.caustic_photons, settings.show))
-}
-
-fn build(
-    device: &Device,
-    scene: &CompiledScene,
-    buffers: &SceneBuffers,
-    settings: &Settings,
-    kind: &PassKind,
-    maps: &mut Vec<MapReport>,
-    notes: &mut Vec<String>,
-    progress: &mut dyn FnMut(Progress) -> bool,
-) -> Result<Option<PhotonMap>, RenderError> {
-    let (map, report) = photon_map(device, scene, buffers, settings, kind, progress)?;
-    if map.is_none() {
-        notes.push(format!("the {} map is empty: no such light was found", kind.map));
-    }
-    if report.paths_cut > 0 {
-        notes.push(format!("{} paths of the {} map were given up after 1024 bounces", report.paths_cut, kind.map));
-    }
-    maps.push(report);
-    Ok(map)
-}
-
-/// The second pass.
-struct Camera<'a> {
-    device: &'a Device,
-    scene: &'a Scene,
-    buffers: &'a SceneBuffers,
-    settings: &'a Settings,
-}
-
-impl Camera<'_> {
-    /// Renders the film and returns it with whether it is whole.
-    fn film(
-        &self,
-        global: Option<&PhotonMap>,
-        caustic: Option<&PhotonMap>,
-        progress: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<(Vec<Pixel>, bool), RenderError> {
-        let Self { device, settings, .. } = *self;
-        let [width, height] = settings.size;
-        let pixels = width * height;
-        let spp = settings.spp;
-        let mut parts = settings.show.parts();
-        parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
-        parts &= !if caustic.is_none() { PART_CAUSTIC } else { 0 };
-        let tile_buffer = device.scratch::<CameraTile>("camera tile", 1)?;
-        let film_tile_buffer = device.scratch::<FilmTile>("camera tile of film", 1)?;
-        let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
-        let maps = [global, caustic];
-        let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
-        // The plan of a tile, and of how many pixels it is.
-        let mut plan = (0, Plan::new());
-        let mut complete = true;
-        let mut first_pixel = 0;
-        while first_pixel < pixels {
-            complete = progress(Progress { phase: "image", done: first_pixel.into(), total: pixels.into() });
-            if !complete {
-                break;
-            }
-            let tile_pixels = (pace.size() / spp).clamp(1, pixels);
-            if plan.0 != tile_pixels {
-                // The last one's buffers go first.
-                plan.1 = Plan::new();
-                let buffers = [&tile_buffer, &film_tile_buffer, &film];
-                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, buffers)?);
-            }
-            let pixels = tile_pixels.min(pixels - first_pixel);
-            device.write(&tile_buffer, &[CameraTile { first_pixel, pixels, samples: spp, seed: settings.seed }]);
-            device.write(&film_tile_buffer, &[FilmTile { first_pixel, pixels, samples: spp, parts }]);
-            pace.run(|| device.run(&plan.1))?;
-            first_pixel += pixels;
-        }
-        Ok((device.read(&film, u64::from(pixels))?, complete))
-    }
-
-    /// The stages of one tile. Only those whose part is wanted are in it.
-    fn tile_plan(
-        &self,
-        pixels: u32,
-        parts: u32,
-        maps: [Option<&PhotonMap>; 2],
-        [tile, film_tile, film]: [&Buffer; 3],
-    ) -> Result<Plan, RenderError> {
-        let Self { device, settings, .. } = *self;
-        let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
-        let [width, height] = settings.size;
-        let samples = pixels * settings.spp;
-        let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
-        let camera = device.upload("camera", &[self.scene.camera(width, height)])?;
-        let queries = device.scratch::<Query>("sample queries", u64::from(samples))?;
-        let vertices = device.scratch::<Vertex>("sample vertices", u64::from(samples))?;
-        let direct = device.scratch::<Irradiance>("sample direct", records(parts & PART_DIRECT != 0))?;
-        let mut plan = Plan::new();
-        plan.scope("image");
-        plan.each(
-            Kernel::TraceCamera,
-            samples,
-            &[tile, &camera, info, nodes, primitives, materials, lights, &queries, &vertices],
-        );
-        if parts & PART_DIRECT != 0 {
-            plan.each(
-                Kernel::ShadeDirect,
-                samples,
-                &[tile, info, nodes, primitives, lights, &queries, &vertices, &direct],
-            );
-        }
-        let mut estimates = Vec::new();
-        for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {
-            let estimate = device.scratch::<Irradiance>(name, records(map.is_some()))?;
-            if let Some(map) = map {
-                plan.scope(name.trim_start_matches("sample "));
-                map.plan_irradiance(device, &mut plan, &queries, samples, settings.k, settings.gather, &estimate)?;
-            }
-            estimates.push(estimate);
-        }
-        plan.scope("image");
-        plan.each(Kernel::DevelopFilm, pixels, &[film_tile, &vertices, &direct, &estimates[0], &estimates[1], film]);
-        Ok(plan)
-    }
 }

@@ -40,9 +40,19 @@ pub struct RenderReport {
     pub device: String,
     /// Whether the image is whole: false if the caller stopped the render.
     pub complete: bool,
+    /// Passes whose mean the image is; 0 if the caller stopped the first one, of which the image then has some rows.
+    pub passes: u32,
+    /// Why there are not more.
+    pub stopped_by: &'static str,
+    /// Radius of the last pass's photon maps, m.
+    pub radius_m: f32,
+    /// Estimate of the image's relMSE that is noise, from how passes differ ([`ProgressState::noise`](crate::ProgressState::noise)).
+    pub noise: Option<f64>,
+    /// Photons emitted for all maps of all passes.
+    pub photons_emitted: u64,
     /// Time in all, s.
     pub seconds: f64,
-    /// The maps that were built.
+    /// The maps of the last pass.
     pub maps: Vec<MapReport>,
     /// Rays of the image: of camera paths, and towards the lights.
     pub camera_rays: u64,

@@ -3,8 +3,8 @@
 use crate::RenderError;
 use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
-use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL};
-use caustic_photon_map::{Gather, Hash, RADII};
+use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS};
+use caustic_photon_map::{Estimate, Filter, Gather, Hash, RADII, Surface};
 
 /// Which part of the light is rendered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,6 +36,42 @@ impl Show {
     }
 }
 
+/// How a picture comes about. All of them repeat passes whose mean is the picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// Photon maps with k-nearest estimates (Jensen 1996): biased, and done in one pass.
+    #[default]
+    Photon,
+    /// Photon maps anew in each pass, with estimates of a radius that shrinks from pass to pass (Hachisuka et al. 2008; Knaus and Zwicker
+    /// 2011): the mean converges to the truth.
+    Progressive,
+    /// Unbiased paths without photons: slow where light comes through glass, and right.
+    Path,
+    /// Light straight from the lights, and what mirrors and glass show of it.
+    Direct,
+}
+
+/// When a render has enough passes: as soon as one of these is reached. Without any, a progressive render has
+/// [`DEFAULT_PASSES`] and every other one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stop {
+    /// Passes.
+    pub passes: Option<u32>,
+    /// Time of this run, s. The pass in flight is finished.
+    pub seconds: Option<f64>,
+    /// Photons emitted in all passes.
+    pub photons: Option<u64>,
+    /// [`ProgressState::noise`](crate::ProgressState::noise).
+    pub error: Option<f64>,
+}
+
+/// Passes of a progressive render that is not told when to stop.
+pub const DEFAULT_PASSES: u32 = 64;
+/// Most passes of a render.
+pub const MAX_PASSES: u32 = 1 << 24;
+/// Most rays of a final gather.
+pub const MAX_FINAL_GATHER: u32 = 4096;
+
 /// How to render a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -59,6 +95,20 @@ pub struct Settings {
     pub seed: u32,
     /// Part of the light.
     pub show: Show,
+    /// How the picture comes about.
+    pub integrator: Integrator,
+    /// How much a photon counts, by its distance.
+    pub filter: Filter,
+    /// Which photons count.
+    pub surface: Surface,
+    /// Whether the radius is found from how densely photons lie where the camera looks; `radius` is then not used.
+    pub automatic_radius: bool,
+    /// α of progressive radii, between 0 and 1: less shrinks them faster, for less bias and more noise.
+    pub alpha: f32,
+    /// Rays of a final gather for each camera sample; 0 looks at the estimate of the global map itself.
+    pub final_gather: u32,
+    /// When there are enough passes.
+    pub stop: Stop,
 }
 
 /// Most pixels of an image.
@@ -80,7 +130,37 @@ impl Settings {
             spp: defaults.spp.unwrap_or(16),
             seed: 0,
             show: Show::Beauty,
+            integrator: Integrator::Photon,
+            filter: Filter::Constant,
+            surface: Surface::Any,
+            automatic_radius: false,
+            alpha: 2.0 / 3.0,
+            final_gather: 0,
+            stop: Stop::default(),
         }
+    }
+
+    /// Parts of the light that the film adds up.
+    pub(crate) fn parts(&self) -> u32 {
+        match self.integrator {
+            Integrator::Photon | Integrator::Progressive => self.show.parts(),
+            Integrator::Path => PART_PATHS,
+            Integrator::Direct => PART_DIRECT,
+        }
+    }
+
+    /// How irradiance is estimated from a map: progressive passes have one radius everywhere.
+    pub(crate) fn estimate(&self) -> Estimate {
+        let k = (self.integrator != Integrator::Progressive).then_some(self.k);
+        Estimate { filter: self.filter, surface: self.surface, k, gather: self.gather }
+    }
+
+    /// [`Stop::passes`], of which there is one if nothing else ends the render.
+    pub(crate) fn passes(&self) -> Option<u32> {
+        if self.stop != Stop::default() {
+            return self.stop.passes;
+        }
+        Some(if self.integrator == Integrator::Progressive { DEFAULT_PASSES } else { 1 })
     }
 
     /// Checks every setting against its range.
@@ -107,6 +187,34 @@ impl Settings {
         whole("caustic-photons", self.caustic_photons, 0, MAX_PHOTONS)?;
         whole("k", self.k, 1, MAX_K)?;
         whole("spp", self.spp, 1, MAX_SPP)?;
+        whole("final-gather", self.final_gather, 0, MAX_FINAL_GATHER)?;
+        whole("passes", self.stop.passes.unwrap_or(1), 1, MAX_PASSES)?;
+        let number = |name, value: f64, fine: bool, range: &str| {
+            if fine {
+                Ok(())
+            } else {
+                Err(RenderError::Setting { name, value: value.to_string(), range: range.to_string() })
+            }
+        };
+        let alpha = f64::from(self.alpha);
+        number("alpha", alpha, alpha > 0.0 && alpha < 1.0, "a number between 0 and 1")?;
+        let seconds = self.stop.seconds.unwrap_or(1.0);
+        number("time", seconds, seconds > 0.0 && seconds.is_finite(), "a number of seconds above 0")?;
+        let error = self.stop.error.unwrap_or(1.0);
+        number("error", error, error > 0.0 && error.is_finite(), "a number above 0")?;
+        if self.stop.photons.is_some_and(|photons| photons == 0 || self.parts() & (PART_GLOBAL | PART_CAUSTIC) == 0) {
+            let range = "at least 1, and there must be photons to count; use --passes or --time".to_string();
+            return Err(RenderError::Setting { name: "total-photons", value: "0".to_string(), range });
+        }
+        let wrong = match self.integrator {
+            Integrator::Path => self.show != Show::Beauty,
+            Integrator::Direct => !matches!(self.show, Show::Beauty | Show::Direct),
+            Integrator::Photon | Integrator::Progressive => false,
+        };
+        if wrong {
+            let range = "beauty with --integrator path or direct, which know no photon maps".to_string();
+            return Err(RenderError::Setting { name: "show", value: format!("{:?}", self.show).to_lowercase(), range });
+        }
         if !RADII.contains(&self.radius) {
             return Err(RenderError::Setting {
                 name: "radius",

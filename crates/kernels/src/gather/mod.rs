@@ -25,9 +25,7 @@ pub use counting::gather_irradiance_by_counting;
 pub use density::gather_density;
 pub(crate) use estimate::over_disc;
 pub use estimate::{gather_irradiance, gather_neighbours};
-pub use filter::{
-    FILTER_CONE, FILTER_CONSTANT, FILTER_EPANECHNIKOV, FILTER_GAUSSIAN, filter_integral, filter_weight,
-};
+pub use filter::{FILTER_CONE, FILTER_CONSTANT, FILTER_EPANECHNIKOV, FILTER_GAUSSIAN, filter_integral, filter_weight};
 pub use filtered::{EstimateParams, gather_filtered};
 pub use heap::Heap;
 pub use list::SortedList;

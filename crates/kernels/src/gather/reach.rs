@@ -81,7 +81,8 @@ pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
     let mut reach = Reach { radius2: grid.radius2, photon: ALL_COUNT, photons: 0 };
     if query.active != 0 {
         let position = query.position;
-        let found = find::<LINEAR, _, _>(lane, memory, position, params.k + 1, params, grid, rows, sites, sites, begins);
+        let found =
+            find::<LINEAR, _, _>(lane, memory, position, params.k + 1, params, grid, rows, sites, sites, begins);
         let mut whole = found.whole;
         reach.photons = found.before;
         if found.enough {

@@ -194,7 +194,8 @@ mod tests {
             let whole = filter_integral(filter, 1.0);
             for (u, v) in [square, skewed] {
                 let primitive = quad(u, v);
-                for at in [[0.0, 0.0], [0.5, 0.0], [0.49, 0.1], [-0.47, 0.3], [0.45, -0.44], [-0.5, -0.5], [0.41, 0.2]] {
+                for at in [[0.0, 0.0], [0.5, 0.0], [0.49, 0.1], [-0.47, 0.3], [0.45, -0.44], [-0.5, -0.5], [0.41, 0.2]]
+                {
                     for radius in [0.05, 0.2, 0.7, 5.0] {
                         let expected = by_midpoints(u, v, at, radius, filter) / f64::from(whole);
                         // The same place but for roundings: each has other directions.
@@ -233,13 +234,8 @@ mod tests {
 
     #[test]
     fn sides_and_surfaces_that_do_not_face_the_query_are_left_out() {
-        let place = Place {
-            surface: SURFACE_FACING,
-            primitive: 3,
-            position: Vec3::ZERO,
-            normal: Vec3::Y,
-            radius2: 1.0,
-        };
+        let place =
+            Place { surface: SURFACE_FACING, primitive: 3, position: Vec3::ZERO, normal: Vec3::Y, radius2: 1.0 };
         let on = |primitive: u32, side: Vec3| {
             Arrival::new([0; 3], [0; 3], [0; 3], 0, primitive).with_side(pack_direction(side))
         };

@@ -12,7 +12,8 @@ use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, FilmTile, GatherTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo,
+    Target, Vertex,
 };
 
 /// Words that a layout kernel writes at most.
@@ -128,6 +129,7 @@ layouts! {
         tile: CameraTile { first_pixel, pixels, samples, seed },
         vertices: Vertex { normal, primitive, weight, emitted, rays },
         film_tile: FilmTile { first_pixel, pixels, samples, parts },
-        film: Pixel { rgb, covered, not_finite, lost, cut_short, rays }
+        film: Pixel { rgb, covered, not_finite, lost, cut_short, rays },
+        gather: GatherTile { first_pixel, pixels, samples, rays, seed }
     );
 }

@@ -85,13 +85,34 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     let pixel = tile.first_pixel + i / tile.samples;
     let sample = i % tile.samples;
     let rng = Rng { seed: tile.seed, stream: STREAM ^ (sample << 8), index: pixel };
-    let jitter = pixel_sobol(pixel, sample, tile.seed, FILM_KEY);
+    let origin = Vec3::from_array(camera.origin);
+    let direction = film_direction(pixel, sample, tile.seed, camera);
+    let (query, vertex) = first_diffuse(rng, origin, direction, info, nodes, primitives, materials, lights);
+    queries.set(i, query);
+    vertices.set(i, vertex);
+}
+
+/// The direction in which the camera looks through sample `sample` of a pixel.
+#[inline]
+pub(super) fn film_direction(pixel: u32, sample: u32, seed: u32, camera: &Camera) -> Vec3 {
+    let jitter = pixel_sobol(pixel, sample, seed, FILM_KEY);
     let x = (pixel % camera.width) as f32 + jitter[0];
     let y = (pixel / camera.width) as f32 + jitter[1];
-    let mut direction = normalize(
-        Vec3::from_array(camera.corner) + Vec3::from_array(camera.right) * x + Vec3::from_array(camera.down) * y,
-    );
-    let mut origin = Vec3::from_array(camera.origin);
+    normalize(Vec3::from_array(camera.corner) + Vec3::from_array(camera.right) * x + Vec3::from_array(camera.down) * y)
+}
+
+/// Follows a path through mirrors and glass to the first diffuse surface: where that is, and what the path knows of it.
+#[inline]
+pub(super) fn first_diffuse(
+    rng: Rng,
+    mut origin: Vec3,
+    mut direction: Vec3,
+    info: &SceneInfo,
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    lights: &Input<Light>,
+) -> (Query, Vertex) {
     let mut throughput = Vec3::ONE;
     let mut query = Query { position: [0.0; 3], active: 0 };
     let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
@@ -126,8 +147,7 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
         origin = leave(point, scattered.side, &primitive);
         bounce += 1;
     }
-    queries.set(i, query);
-    vertices.set(i, vertex);
+    (query, vertex)
 }
 
 /// Sample `sample` of a pixel's own shuffled and scrambled (0, 2)-sequence: the samples of a pixel are stratified, and those

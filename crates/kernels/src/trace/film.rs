@@ -15,6 +15,8 @@ pub const PART_DIRECT: u32 = 1;
 pub const PART_GLOBAL: u32 = 2;
 /// [`FilmTile::parts`]: the estimate from the caustic map.
 pub const PART_CAUSTIC: u32 = 4;
+/// [`FilmTile::parts`]: all that a path found, which its vertex has as emitted light. Then there are no other parts.
+pub const PART_PATHS: u32 = 8;
 
 /// What the film adds up.
 #[repr(C)]
@@ -81,6 +83,9 @@ pub fn develop_film<P: Store<Pixel> + ?Sized>(
             let cut_short = direct[at].photons == CUT_SHORT;
             pixel.cut_short += u32::from(cut_short);
             pixel.rays += if cut_short { 1 } else { direct[at].photons };
+        }
+        if tile.parts & PART_PATHS != 0 {
+            radiance += Vec3::from_array(vertex.emitted);
         }
         if tile.parts & PART_GLOBAL != 0 {
             irradiance += Vec3::from_array(global[at].rgb);

@@ -2,15 +2,18 @@
 //!
 //! A path is cut where it meets a diffuse surface: what arrives there straight from a light is `direct`, what arrives
 //! after mirrors and glass alone is `caustic` (L S⁺ D in Heckbert's notation), and what was diffusely reflected before
-//! is `global`. Each part is estimated in one way only, so nothing is counted twice.
+//! is `global`. Each part is estimated in one way only, so nothing is counted twice. [`trace_paths`] knows no parts: it is what
+//! their sum is compared with.
 
 mod bvh;
 mod camera;
 mod direct;
 mod emission;
 mod film;
+mod final_gather;
 mod intersect;
 mod material;
+mod paths;
 mod photons;
 mod scene;
 pub mod vector;
@@ -18,8 +21,10 @@ pub mod vector;
 pub use bvh::{BvhNode, INNER, LEAF_BITS, OCTANTS, Slabs, octant};
 pub use camera::{Camera, CameraTile, Vertex, trace_camera};
 pub use direct::shade_direct;
-pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_film};
+pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS, Pixel, develop_film};
+pub use final_gather::{GatherTile, sum_gather, trace_gather};
 pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, intersect, occluded};
+pub use paths::trace_paths;
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
     LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,

@@ -1,0 +1,251 @@
+//! One pass of a picture: photon maps first, then the film, tile by tile.
+
+use crate::pace::Pace;
+use crate::photons::{PassKind, SceneBuffers, photon_map};
+use crate::report::{MapReport, Progress};
+use crate::scene::{CompiledScene, Scene};
+use crate::{Integrator, RenderError, Settings};
+use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_kernels::layout::{Irradiance, Query};
+use caustic_kernels::trace::{
+    Camera, CameraTile, FilmTile, GatherTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, Vertex,
+};
+use caustic_photon_map::{PhotonMap, Seen};
+
+/// Camera samples of one tile: the unit of progress. A GPU needs more of them to be busy; it begins with a part of that.
+const CPU_SAMPLES: u32 = 1 << 17;
+const GPU_FIRST_SAMPLES: u32 = 1 << 19;
+const GPU_SAMPLES: u32 = 1 << 21;
+
+/// What passes of a picture share.
+pub(crate) struct Frame<'a> {
+    pub(crate) device: &'a Device,
+    pub(crate) scene: &'a Scene,
+    pub(crate) compiled: &'a CompiledScene,
+    pub(crate) buffers: &'a SceneBuffers,
+    pub(crate) settings: &'a Settings,
+    pub(crate) camera: Buffer,
+}
+
+/// A finished pass.
+pub(crate) struct Pass {
+    pub(crate) film: Vec<Pixel>,
+    /// Whether the film is whole.
+    pub(crate) complete: bool,
+    pub(crate) maps: Vec<MapReport>,
+    pub(crate) notes: Vec<String>,
+}
+
+impl<'a> Frame<'a> {
+    pub(crate) fn new(
+        device: &'a Device,
+        scene: &'a Scene,
+        compiled: &'a CompiledScene,
+        buffers: &'a SceneBuffers,
+        settings: &'a Settings,
+    ) -> Result<Self, RenderError> {
+        let [width, height] = settings.size;
+        let camera = device.upload::<Camera>("camera", &[scene.camera(width, height)])?;
+        Ok(Self { device, scene, compiled, buffers, settings, camera })
+    }
+
+    /// The global map, if it is wanted.
+    pub(crate) fn global_pass(&self) -> Option<PassKind> {
+        let Settings { photons, show, final_gather, .. } = *self.settings;
+        let wanted = self.settings.parts() & PART_GLOBAL != 0;
+        wanted.then(|| PassKind::global(photons, show, final_gather > 0))
+    }
+
+    /// The caustic map, if it is wanted and there can be one.
+    pub(crate) fn caustic_pass(&self) -> Option<PassKind> {
+        let Settings { caustic_photons, show, .. } = *self.settings;
+        let wanted = self.settings.parts() & PART_CAUSTIC != 0;
+        let possible = wanted && self.compiled.has_specular && caustic_photons > 0;
+        possible.then(|| PassKind::caustic(caustic_photons, show))
+    }
+
+    /// Renders a pass with a seed and a radius of its own.
+    pub(crate) fn pass(
+        &self,
+        seed: u32,
+        radius: f32,
+        progress: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Pass, RenderError> {
+        let mut pass = Pass { film: Vec::new(), complete: false, maps: Vec::new(), notes: Vec::new() };
+        let global = self.map(self.global_pass(), seed, radius, &mut pass, progress)?;
+        let caustic = self.map(self.caustic_pass(), seed, radius, &mut pass, progress)?;
+        if self.settings.parts() & PART_CAUSTIC != 0 && !self.compiled.has_specular {
+            pass.notes.push("no caustic map: nothing in the scene is specular".to_string());
+        }
+        (pass.film, pass.complete) = self.film(seed, global.as_ref(), caustic.as_ref(), progress)?;
+        Ok(pass)
+    }
+
+    fn map(
+        &self,
+        kind: Option<PassKind>,
+        seed: u32,
+        radius: f32,
+        pass: &mut Pass,
+        progress: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<Option<PhotonMap>, RenderError> {
+        let Some(kind) = kind else { return Ok(None) };
+        let Self { device, compiled, buffers, settings, .. } = *self;
+        let settings = Settings { seed, radius, ..settings.clone() };
+        let (map, report) = photon_map(device, compiled, buffers, &settings, &kind, progress)?;
+        if map.is_none() {
+            pass.notes.push(format!("the {} map is empty: no such light was found", kind.map));
+        }
+        if report.paths_cut > 0 {
+            let (cut, map) = (report.paths_cut, kind.map);
+            pass.notes.push(format!("{cut} paths of the {map} map were given up after 1024 bounces"));
+        }
+        pass.maps.push(report);
+        Ok(map)
+    }
+
+    /// Renders the film and returns it with whether it is whole.
+    fn film(
+        &self,
+        seed: u32,
+        global: Option<&PhotonMap>,
+        caustic: Option<&PhotonMap>,
+        progress: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<(Vec<Pixel>, bool), RenderError> {
+        let Self { device, settings, .. } = *self;
+        let [width, height] = settings.size;
+        let pixels = width * height;
+        let spp = settings.spp;
+        let mut parts = settings.parts();
+        parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
+        parts &= !if caustic.is_none() { PART_CAUSTIC } else { 0 };
+        let tiles = Tiles {
+            camera: device.scratch::<CameraTile>("camera tile", 1)?,
+            gather: device.scratch::<GatherTile>("camera tile of gather", 1)?,
+            film: device.scratch::<FilmTile>("camera tile of film", 1)?,
+        };
+        let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
+        let maps = [global, caustic];
+        let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
+        // A sample is as much work as the rays that it sends out.
+        let each = spp.saturating_mul(if parts & PART_GLOBAL != 0 { settings.final_gather.max(1) } else { 1 });
+        // The plan of a tile, and of how many pixels it is.
+        let mut plan = (0, Plan::new());
+        let mut complete = true;
+        let mut first_pixel = 0;
+        while first_pixel < pixels {
+            complete = progress(Progress { phase: "image", done: first_pixel.into(), total: pixels.into() });
+            if !complete {
+                break;
+            }
+            let tile_pixels = (pace.size() / each).clamp(1, pixels);
+            if plan.0 != tile_pixels {
+                // The last one's buffers go first.
+                plan.1 = Plan::new();
+                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, &tiles, &film)?);
+            }
+            let pixels = tile_pixels.min(pixels - first_pixel);
+            let rays = settings.final_gather;
+            device.write(&tiles.camera, &[CameraTile { first_pixel, pixels, samples: spp, seed }]);
+            device.write(&tiles.gather, &[GatherTile { first_pixel, pixels, samples: spp, rays, seed }]);
+            device.write(&tiles.film, &[FilmTile { first_pixel, pixels, samples: spp, parts }]);
+            pace.run(|| device.run(&plan.1))?;
+            first_pixel += pixels;
+        }
+        Ok((device.read(&film, u64::from(pixels))?, complete))
+    }
+
+    /// The stages of one tile. Only those whose part is wanted are in it.
+    fn tile_plan(
+        &self,
+        pixels: u32,
+        parts: u32,
+        maps: [Option<&PhotonMap>; 2],
+        tiles: &Tiles,
+        film: &Buffer,
+    ) -> Result<Plan, RenderError> {
+        let Self { device, settings, ref camera, .. } = *self;
+        let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
+        let samples = pixels * settings.spp;
+        let paths = settings.integrator == Integrator::Path;
+        let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
+        let queries = device.scratch::<Query>("sample queries", records(!paths))?;
+        let vertices = device.scratch::<Vertex>("sample vertices", u64::from(samples))?;
+        let direct = device.scratch::<Irradiance>("sample direct", records(parts & PART_DIRECT != 0))?;
+        let mut plan = Plan::new();
+        plan.scope("image");
+        let scene = [&tiles.camera, camera, info, nodes, primitives, materials, lights];
+        if paths {
+            plan.each(Kernel::TracePaths, samples, &[&scene[..], &[&vertices]].concat());
+        } else {
+            plan.each(Kernel::TraceCamera, samples, &[&scene[..], &[&queries, &vertices]].concat());
+        }
+        if parts & PART_DIRECT != 0 {
+            plan.each(
+                Kernel::ShadeDirect,
+                samples,
+                &[&tiles.camera, info, nodes, primitives, lights, &queries, &vertices, &direct],
+            );
+        }
+        let mut estimates = Vec::new();
+        for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {
+            let estimate = device.scratch::<Irradiance>(name, records(map.is_some()))?;
+            if let Some(map) = map {
+                plan.scope(name.trim_start_matches("sample "));
+                if name == "sample global" && settings.final_gather > 0 {
+                    self.plan_final_gather(&mut plan, map, samples, &tiles.gather, &queries, &vertices, &estimate)?;
+                } else {
+                    self.plan_estimate(&mut plan, map, &queries, &vertices, samples, &estimate)?;
+                }
+            }
+            estimates.push(estimate);
+        }
+        plan.scope("image");
+        plan.each(Kernel::DevelopFilm, pixels, &[&tiles.film, &vertices, &direct, &estimates[0], &estimates[1], film]);
+        Ok(plan)
+    }
+
+    /// What a map says of points on surfaces.
+    fn plan_estimate(
+        &self,
+        plan: &mut Plan,
+        map: &PhotonMap,
+        queries: &Buffer,
+        vertices: &Buffer,
+        count: u32,
+        out: &Buffer,
+    ) -> Result<(), RenderError> {
+        let seen = Seen { queries, surfaces: Some([vertices, &self.buffers.primitives]) };
+        Ok(map.plan_estimate(self.device, plan, seen, count, &self.settings.estimate(), out)?)
+    }
+
+    /// What a map says of what points see around them.
+    fn plan_final_gather(
+        &self,
+        plan: &mut Plan,
+        map: &PhotonMap,
+        samples: u32,
+        tile: &Buffer,
+        queries: &Buffer,
+        vertices: &Buffer,
+        out: &Buffer,
+    ) -> Result<(), RenderError> {
+        let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
+        let count = samples * self.settings.final_gather;
+        let seen_queries = self.device.scratch::<Query>("gather queries", u64::from(count))?;
+        let seen_vertices = self.device.scratch::<Vertex>("gather vertices", u64::from(count))?;
+        let estimates = self.device.scratch::<Irradiance>("gather estimates", u64::from(count))?;
+        let from = [tile, info, nodes, primitives, materials, lights, queries, vertices];
+        plan.each(Kernel::TraceGather, count, &[&from[..], &[&seen_queries, &seen_vertices]].concat());
+        self.plan_estimate(plan, map, &seen_queries, &seen_vertices, count, &estimates)?;
+        plan.each(Kernel::SumGather, samples, &[tile, &seen_vertices, &estimates, out]);
+        Ok(())
+    }
+}
+
+/// Parameters of the stages of a tile, written anew for each tile.
+struct Tiles {
+    camera: Buffer,
+    gather: Buffer,
+    film: Buffer,
+}
