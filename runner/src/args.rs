@@ -3,10 +3,12 @@
 mod bench;
 mod compare;
 mod experiments;
+mod integrator;
 
 pub use bench::BenchArguments;
 pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
+pub use integrator::{IntegratorArguments, RadiusArgument};
 
 use caustic_device::{DeviceChoice, Precision};
 use caustic_photon_map::{Gather, Hash, RADII};
@@ -24,6 +26,8 @@ use std::path::PathBuf;
         Examples:\n  \
         caustic render cornell -o box.exr --size 640x480 --spp 64\n  \
         caustic render cornell -o caustic.png --show map-caustic --caustic-photons 10000\n  \
+        caustic render cornell -o box.exr --integrator progressive --surface own --time 60\n  \
+        caustic render cornell -o box.exr --integrator path --spp 16 --passes 1000 --checkpoint box.state\n  \
         caustic render my_scene.toml -o picture.png --hash teschner --device cpu\n  \
         caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
         caustic compare picture.png reference.png --metric flip --threshold 0.05 --diff error.png\n  \
@@ -105,9 +109,10 @@ pub struct RenderArguments {
     /// Photons in an estimate: more are smoother and slower, fewer are sharper and noisier.
     #[arg(long, value_name = "K", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]
     pub k: Option<u32>,
-    /// Largest radius of an estimate in metres, and the size of a cell; reached only where photons are sparse.
-    #[arg(long, value_name = "R", value_parser = radius, allow_hyphen_values = true)]
-    pub radius: Option<f32>,
+    /// Largest radius of an estimate in metres, reached only where photons are sparse; of a progressive render, the first radius. `auto`
+    /// finds one from how densely photons lie where the camera looks.
+    #[arg(long, value_name = "R|auto", value_parser = integrator::radius, allow_hyphen_values = true)]
+    pub radius: Option<RadiusArgument>,
     /// Hash function of the photon maps: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
     pub hash: HashArgument,
@@ -129,6 +134,8 @@ pub struct RenderArguments {
     /// Which part of the light to show.
     #[arg(long, value_enum, default_value_t)]
     pub show: ShowArgument,
+    #[command(flatten)]
+    pub how: IntegratorArguments,
     /// Prints nothing but errors.
     #[arg(long)]
     pub quiet: bool,

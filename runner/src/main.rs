@@ -67,8 +67,12 @@ impl Failure {
     }
 
     /// The user stopped the program and what there was is in the file: exit code 130.
-    pub fn interrupted(output: &std::path::Path) -> Self {
-        let message = format!("interrupted; {} holds the rows that were finished, the rest is black", output.display());
+    pub fn interrupted(output: &std::path::Path, passes: u32) -> Self {
+        let output = output.display();
+        let message = match passes {
+            0 => format!("interrupted; {output} holds the rows that were finished, the rest is black"),
+            passes => format!("interrupted; {output} holds the {passes} passes that were finished"),
+        };
         Self { code: 130, message }
     }
 }

@@ -1,13 +1,13 @@
 //! `caustic render`.
 
 use crate::Failure;
-use crate::args::RenderArguments;
+use crate::args::{RadiusArgument, RenderArguments};
 use crate::progress::Monitor;
 use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
 use caustic_renderer::output::{self, Metadata};
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{RenderError, RenderReport, Settings, render};
+use caustic_renderer::{Checkpoint, CheckpointError, Integrator, RenderError, RenderReport, Settings, render_on};
 use std::path::Path;
 
 /// Renders a scene and writes the image.
@@ -21,16 +21,35 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         eprintln!("{line}");
     }
     let mut monitor = Monitor::new(arguments.quiet);
-    let rendered = render(&scene, &settings, &device, &mut |progress| monitor.show(progress));
-    monitor.finish();
-    let rendered = rendered.map_err(|error| failure(&error))?;
-    let described = describe(&settings, if device.is_exact() { Precision::Exact } else { Precision::Fast });
-    let metadata = Metadata {
+    let precision = if device.is_exact() { Precision::Exact } else { Precision::Fast };
+    let metadata = |passes: u32| Metadata {
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: scene.name.clone(),
         seed: settings.seed,
-        settings: described.clone(),
+        settings: describe(&settings, precision, passes),
     };
+    let how = &arguments.how;
+    let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint::new(path, &scene, &settings, device.is_exact()));
+    let mut start = None;
+    if let Some(checkpoint) = &checkpoint {
+        let begun = if how.resume { checkpoint.load().map(Some) } else { checkpoint.begin().map(|()| None) };
+        start = begun.map_err(|error| checkpoint_failure(&error))?;
+    }
+    let progress = &mut |progress| monitor.show(progress);
+    let rendered = render_on(&scene, &settings, &device, start, progress, &mut |state| {
+        let kept = |error: &dyn std::fmt::Display| RenderError::AfterPass(error.to_string());
+        if let Some(checkpoint) = &checkpoint {
+            checkpoint.save(state).map_err(|error| kept(&error))?;
+        }
+        // A picture to look at while it gets better; the last pass is written at the end in any case.
+        if state.passes.is_power_of_two() && settings.stop.passes != Some(state.passes) && !single(&settings) {
+            output::write(&arguments.output, &state.image(), &metadata(state.passes)).map_err(|error| kept(&error))?;
+        }
+        Ok(())
+    });
+    monitor.finish();
+    let rendered = rendered.map_err(|error| failure(&error))?;
+    let metadata = metadata(rendered.report.passes);
     output::write(&arguments.output, &rendered.image, &metadata).map_err(Failure::machine)?;
     if !arguments.quiet {
         tell(&rendered.report, &arguments.output);
@@ -40,10 +59,10 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         value["output"] = arguments.output.display().to_string().into();
         value["scene"] = scene.name.into();
         value["seed"] = settings.seed.into();
-        value["settings"] = described.into_iter().collect();
+        value["settings"] = metadata.settings.into_iter().collect();
         println!("{value:#}");
     }
-    if rendered.report.complete { Ok(()) } else { Err(Failure::interrupted(&arguments.output)) }
+    if rendered.report.complete { Ok(()) } else { Err(Failure::interrupted(&arguments.output, rendered.report.passes)) }
 }
 
 /// The settings of the scene, with those of the command line in their place where given.
@@ -54,25 +73,56 @@ fn settings(arguments: &RenderArguments, scene: &Scene) -> Settings {
         photons: arguments.photons.unwrap_or(defaults.photons),
         caustic_photons: arguments.caustic_photons.unwrap_or(defaults.caustic_photons),
         k: arguments.k.unwrap_or(defaults.k),
-        radius: arguments.radius.unwrap_or(defaults.radius),
+        radius: match arguments.radius {
+            Some(RadiusArgument::Metres(radius)) => radius,
+            _ => defaults.radius,
+        },
+        automatic_radius: matches!(arguments.radius, Some(RadiusArgument::Auto)),
         hash: arguments.hash.into(),
         gather: arguments.gather.into(),
         spp: arguments.spp.unwrap_or(defaults.spp),
         seed: arguments.seed,
         show: arguments.show.into(),
+        integrator: arguments.how.integrator.into(),
+        filter: arguments.how.filter.into(),
+        surface: arguments.how.surface.into(),
+        alpha: arguments.how.alpha,
+        final_gather: arguments.how.final_gather,
+        stop: arguments.how.stop(),
+    }
+}
+
+/// Whether there is one pass, come what may.
+fn single(settings: &Settings) -> bool {
+    settings.integrator != Integrator::Progressive && settings.stop == caustic_renderer::Stop::default()
+}
+
+/// Whether a checkpoint that cannot be used is the input's or the machine's fault.
+fn checkpoint_failure(error: &CheckpointError) -> Failure {
+    match error {
+        CheckpointError::Read { .. } => Failure::machine(error),
+        _ => Failure::input(error),
     }
 }
 
 /// What the image depends on. Device, hash and gather are left out: an exact image does not depend on them.
-fn describe(settings: &Settings, precision: Precision) -> Vec<(String, String)> {
+fn describe(settings: &Settings, precision: Precision, passes: u32) -> Vec<(String, String)> {
+    let name = |value: &dyn std::fmt::Debug| format!("{value:?}").to_lowercase();
+    let radius = if settings.automatic_radius { "auto".to_string() } else { settings.radius.to_string() };
     [
         ("show", format!("{:?}", settings.show)),
         ("photons", settings.photons.to_string()),
         ("caustic_photons", settings.caustic_photons.to_string()),
         ("k", settings.k.to_string()),
-        ("radius", settings.radius.to_string()),
+        ("radius", radius),
         ("spp", settings.spp.to_string()),
-        ("precision", format!("{precision:?}").to_lowercase()),
+        ("integrator", name(&settings.integrator)),
+        ("filter", name(&settings.filter)),
+        ("surface", name(&settings.surface)),
+        ("alpha", settings.alpha.to_string()),
+        ("final_gather", settings.final_gather.to_string()),
+        ("passes", passes.to_string()),
+        ("precision", name(&precision)),
     ]
     .map(|(name, value)| (name.to_string(), value))
     .to_vec()
@@ -94,6 +144,13 @@ fn tell(report: &RenderReport, output: &Path) {
     for note in &report.notes {
         eprintln!("note: {note}");
     }
+    if report.passes > 1 {
+        let noise =
+            report.noise.map_or(String::new(), |noise| format!("; the relMSE of the noise is about {noise:.2e}"));
+        let photons =
+            if report.photons_emitted > 0 { format!(", {} photons", report.photons_emitted) } else { String::new() };
+        eprintln!("passes: {} until {}{photons}{noise}", report.passes, report.stopped_by);
+    }
     let stages: f64 = report.stages.iter().map(|stage| stage.ms).sum();
     let mut slowest = report.stages.clone();
     slowest.sort_by(|a, b| b.ms.total_cmp(&a.ms));
@@ -111,11 +168,13 @@ fn tell(report: &RenderReport, output: &Path) {
 fn speed(report: &RenderReport) -> Option<String> {
     let stage = |name: &str| report.stages.iter().find(|stage| stage.stage == name).map(|stage| stage.ms);
     let (mut photons, mut rays, mut photon_ms) = (0, 0, 0.0);
+    // Stages have the times of all passes, and the maps are those of one.
+    let passes = u64::from(report.passes.max(1));
     for map in &report.maps {
-        photons += u64::from(map.photons_emitted);
+        photons += passes * u64::from(map.photons_emitted);
         for walk in ["count_photons", "store_photons"] {
             if let Some(ms) = stage(&format!("{}/{walk}", map.map)) {
-                rays += map.segments;
+                rays += passes * map.segments;
                 photon_ms += ms;
             }
         }
@@ -137,6 +196,7 @@ fn speed(report: &RenderReport) -> Option<String> {
 /// Whether an error is the input's or the machine's fault.
 pub fn failure(error: &RenderError) -> Failure {
     match error {
+        RenderError::AfterPass(_) => Failure::machine(error),
         RenderError::Interrupted => Failure::interrupted_before_image(),
         RenderError::CutShort { .. } | RenderError::Map(MapError::CutShort { .. }) => Failure::machine(error),
         RenderError::Map(MapError::Device(DeviceError::DeviceLost { .. } | DeviceError::Stage { .. })) => {

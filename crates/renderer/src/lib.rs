@@ -4,6 +4,7 @@ pub mod output;
 pub mod scene;
 
 mod accumulate;
+mod checkpoint;
 mod crowd;
 mod error;
 mod frame;
@@ -17,6 +18,7 @@ mod settings;
 mod verify;
 
 pub use accumulate::ProgressState;
+pub use checkpoint::{Checkpoint, CheckpointError};
 pub use error::RenderError;
 pub use passes::{View, trace_photons};
 pub use render::{Rendered, render, render_on};

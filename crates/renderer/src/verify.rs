@@ -2,12 +2,12 @@
 
 use crate::crowd::{CROWD, crowd};
 use crate::scene::{BUILT_IN, Scene};
-use crate::{Progress, RenderError, Settings, Show, render};
+use crate::{Integrator, Progress, RenderError, Settings, Show, render};
 use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, StageComparison};
 use caustic_kernels::layout::{Photon, Query, Site};
 use caustic_kernels::num::{pcg4d, u32_to_unit};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams, LAYOUT_WORDS, LAYOUTS};
-use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
+use caustic_photon_map::{Filter, Gather, Hash, MapOptions, PhotonMap, RadixSort, Surface};
 use caustic_rivals::{Photons, Technique};
 use serde::Serialize;
 
@@ -124,6 +124,9 @@ pub fn verify(
     for ((name, scene), hash) in scenes.zip([Hash::Linear, Hash::Teschner, Hash::Morton].into_iter().cycle()) {
         tick(name)?;
         let settings = small(&scene, hash, seed);
+        for other in other_ways(&settings) {
+            render(&scene, &other, &twin, &mut |_| true)?;
+        }
         let expected = render(&scene, &settings, &twin, &mut |_| true)?.image;
         if gpu_from.is_none() {
             let found = render(&scene, &settings, gpu, &mut |_| true)?.image;
@@ -160,6 +163,14 @@ fn small(scene: &Scene, hash: Hash, seed: u32) -> Settings {
         show: Show::Beauty,
         ..defaults
     }
+}
+
+/// The same scene by stages that those settings leave out.
+fn other_ways(settings: &Settings) -> [Settings; 2] {
+    let smaller = Settings { size: [20, 15], photons: 5000, caustic_photons: 2000, k: 30, ..settings.clone() };
+    let paths = Settings { integrator: Integrator::Path, ..smaller.clone() };
+    let (filter, surface) = (Filter::Gaussian, Surface::Own);
+    [paths, Settings { filter, surface, final_gather: 2, ..smaller }]
 }
 
 fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {

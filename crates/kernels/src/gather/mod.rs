@@ -298,7 +298,8 @@ mod tests {
             ..Grid::default()
         };
         let estimate = |k: u32, queries: &[Query]| {
-            let mut out = [(); 2].map(|()| vec![Irradiance { rgb: [9.0; 3], photons: 9 }; queries.len()]);
+            let mut out = [(); 3].map(|()| vec![Irradiance { rgb: [9.0; 3], photons: 9 }; queries.len()]);
+            let mut reaches = vec![Reach::default(); queries.len()];
             let params = GatherParams { queries: queries.len() as u32, k, guess: 1.0 };
             let order: Vec<u32> = (0..params.queries).rev().collect();
             let power = [8f32, 0.0, 8.0].map(f32::to_bits);
@@ -336,8 +337,43 @@ mod tests {
                     &power,
                     by_counting,
                 );
+                let reaches = reaches.as_mut_slice();
+                gather_reach::<false, _>(
+                    i,
+                    3,
+                    &mut [7; 1024],
+                    &params,
+                    &grid,
+                    &rows,
+                    queries,
+                    &order,
+                    &sites,
+                    &[0, 4],
+                    reaches,
+                );
+            }
+            // The same in two stages: how far, then what is there, weighed alike and of any surface.
+            let params = EstimateParams { queries: params.queries, reach: 1, ..EstimateParams::default() };
+            for i in 0..=params.queries {
+                gather_filtered::<false, _>(
+                    i,
+                    &params,
+                    &grid,
+                    &rows,
+                    queries,
+                    &order,
+                    &reaches,
+                    &[],
+                    &[],
+                    &sites,
+                    &arrivals,
+                    &[0, 4],
+                    &power,
+                    out[2].as_mut_slice(),
+                );
             }
             assert_eq!(out[0], out[1], "k = {k}");
+            assert_eq!(out[0], out[2], "k = {k}");
             out[0].clone()
         };
         let pi = core::f32::consts::PI;

@@ -2,7 +2,7 @@
 
 mod error;
 mod exr_file;
-mod place;
+pub(crate) mod place;
 mod png_file;
 
 #[cfg(test)]
