@@ -117,7 +117,7 @@ layouts! {
         info: SceneInfo { primitives, lights, targets, nodes },
         nodes: BvhNode { near, skip, far, leaf },
         primitives: Primitive { kind, material, light, size, position, normal, duals },
-        materials: Material { reflectance, kind, ior, survival },
+        materials: Material { reflectance, kind, ior, survival, roughness, metallic, absorption },
         lights: Light { emission, kind, position, primitive, edges, normal, area, probability, cumulative }
     );
     /// Records of the camera and the film.

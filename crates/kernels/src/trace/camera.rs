@@ -1,9 +1,9 @@
 //! Camera paths, down to the first diffuse surface.
 
 use super::MAX_BOUNCES;
+use super::bsdf::scatter_specular;
 use super::bvh::BvhNode;
 use super::intersect::{LOST, MISS, closest_hit, leave, surface_at};
-use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
 use super::vector::{dot, normalize};
 use crate::exec::{Input, Store};

@@ -4,13 +4,13 @@
 //! after mirrors and glass alone is `caustic` (L S⁺ D in Heckbert's notation), and what was diffusely reflected before
 //! is `global`. Each part is estimated in one way only, so nothing is counted twice.
 
+pub mod bsdf;
 mod bvh;
 mod camera;
 mod direct;
 mod emission;
 mod film;
 mod intersect;
-mod material;
 mod photons;
 mod scene;
 pub mod vector;
@@ -22,8 +22,8 @@ pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_
 pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, intersect, occluded};
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
-    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
-    PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
+    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR,
+    MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
 };
 
 /// Lanes of a tracing workgroup.

@@ -4,10 +4,10 @@
 //! has given each path its place, to store it. So the map has exactly the size it needs, photons have the same order on
 //! every device, and none is dropped for want of room.
 
+use super::bsdf::scatter_specular;
 use super::bvh::BvhNode;
 use super::emission::emit;
 use super::intersect::{MISS, closest_hit, leave, surface_at};
-use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, Primitive, SceneInfo, Target};
 use super::vector::{dot, pack_direction, sample_cosine};
 use super::{LOST, MAX_BOUNCES};

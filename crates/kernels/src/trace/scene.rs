@@ -10,8 +10,12 @@ pub const PRIMITIVE_SPHERE: u32 = 1;
 pub const MATERIAL_LAMBERTIAN: u32 = 0;
 /// Perfect specular reflection.
 pub const MATERIAL_MIRROR: u32 = 1;
-/// Smooth dielectric without absorption.
+/// Smooth dielectric.
 pub const MATERIAL_DIELECTRIC: u32 = 2;
+/// Dielectric with a rough surface, of GGX microfacets.
+pub const MATERIAL_ROUGH_DIELECTRIC: u32 = 3;
+/// Reflection at GGX microfacets or a smooth coat, over a diffuse base: metals, plastic, glTF's metallic-roughness model.
+pub const MATERIAL_LAYERED: u32 = 4;
 /// A quad that emits the same radiance from every point in every direction of its front side.
 pub const LIGHT_AREA: u32 = 0;
 /// A point that emits the same intensity in every direction.
@@ -58,14 +62,21 @@ pub struct Primitive {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {
-    /// Reflectance, 0 to 1, for each of red, green and blue; of a dielectric, 1.
+    /// Reflectance, 0 to 1, for each of red, green and blue; of a dielectric, 1; the base colour of a layered material.
     pub reflectance: [f32; 3],
-    /// [`MATERIAL_LAMBERTIAN`], [`MATERIAL_MIRROR`] or [`MATERIAL_DIELECTRIC`].
+    /// One of the `MATERIAL_` kinds.
     pub kind: u32,
-    /// Index of refraction of a dielectric against the medium outside.
+    /// Index of refraction of a dielectric, or of a layered material's coat, against the medium outside.
     pub ior: f32,
-    /// Chance with which a photon survives here: the largest reflectance, so that its power never grows.
+    /// Chance with which a photon survives here: the largest reflectance, so that its power never grows. Of a layered material, 0 if
+    /// it is black and 1 otherwise: its survival depends on the direction.
     pub survival: f32,
+    /// GGX roughness α of a rough dielectric or a layered material; below [`SMOOTHEST`](super::bsdf::SMOOTHEST) it is smooth.
+    pub roughness: f32,
+    /// Share of a layered material that is metal, 0 to 1.
+    pub metallic: f32,
+    /// Absorption coefficient of the inside of a dielectric, m⁻¹, for each of red, green and blue.
+    pub absorption: [f32; 3],
 }
 
 /// A light.
@@ -105,7 +116,7 @@ pub struct Target {
 const _: () = {
     assert!(size_of::<SceneInfo>() == 16);
     assert!(size_of::<Primitive>() == 64);
-    assert!(size_of::<Material>() == 24);
+    assert!(size_of::<Material>() == 44);
     assert!(size_of::<Light>() == 80);
     assert!(size_of::<Target>() == 16);
 };
