@@ -9,7 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Texel,
+    Texture, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -51,10 +52,13 @@ records! {
     RadixPass: "uuuu",
     ScanParams: "uu",
     PhotonPass: "uuuuuu",
-    SceneInfo: "uuuu",
+    SceneInfo: "uuuuuu",
     BvhNode: "fffufffu",
     Primitive: "uuufffffffffffff",
-    Material: "fffuff",
+    Material: "fffuffuu",
+    Corners: "uuuffffff",
+    Texture: "uuuu",
+    Texel: "uu",
     Light: "fffufffuffffffffffff",
     Target: "ffff",
     CameraTile: "uuuu",

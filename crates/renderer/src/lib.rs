@@ -3,6 +3,7 @@
 pub mod output;
 pub mod scene;
 
+mod buffers;
 mod crowd;
 mod error;
 mod pace;
@@ -13,6 +14,7 @@ mod report;
 mod settings;
 mod verify;
 
+pub use buffers::{SceneBuffers, Tracers};
 pub use error::RenderError;
 pub use passes::{View, trace_photons};
 pub use render::{Rendered, render};

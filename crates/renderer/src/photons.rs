@@ -1,10 +1,11 @@
 //! A photon pass: count, scan, store, build.
 
+use crate::buffers::SceneBuffers;
 use crate::pace::Pace;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
 use crate::{RenderError, Settings, Show};
-use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
 use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL};
@@ -18,29 +19,6 @@ const FIRST_CHUNK: u32 = 1 << 18;
 const SAMPLE: u64 = 4096;
 /// Most photons of a map.
 const MAX_STORED: u32 = 1 << 30;
-
-/// The scene in a device's buffers.
-pub(crate) struct SceneBuffers {
-    pub(crate) info: Buffer,
-    pub(crate) nodes: Buffer,
-    pub(crate) primitives: Buffer,
-    pub(crate) materials: Buffer,
-    pub(crate) lights: Buffer,
-    pub(crate) targets: Buffer,
-}
-
-impl SceneBuffers {
-    pub(crate) fn new(device: &Device, scene: &CompiledScene) -> Result<Self, RenderError> {
-        Ok(Self {
-            info: device.upload("scene: info", &[scene.info])?,
-            nodes: device.upload("scene: nodes", &scene.nodes)?,
-            primitives: device.upload("scene: primitives", &scene.primitives)?,
-            materials: device.upload("scene: materials", &scene.materials)?,
-            lights: device.upload("scene: lights", &scene.lights)?,
-            targets: device.upload("scene: targets", &scene.targets)?,
-        })
-    }
-}
 
 /// Which photons a pass traces and stores.
 pub(crate) struct PassKind {
@@ -141,8 +119,6 @@ pub(crate) fn trace(
         let goes_on = progress(Progress { phase: kind.phase, done, total });
         if goes_on { Ok(()) } else { Err(RenderError::Interrupted) }
     };
-    let SceneBuffers { info, nodes, primitives, materials, lights, targets } = buffers;
-
     let fates = device.scratch::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
     let segments = device.scratch::<u32>("photon segments", u64::from(emitted.min(CHUNK)))?;
     let mut landed = 0u64;
@@ -160,11 +136,8 @@ pub(crate) fn trace(
         let params = device.upload("photon pass", &[pass])?;
         let mut plan = Plan::new();
         plan.scope(kind.map);
-        plan.each(
-            Kernel::CountPhotons,
-            pass.paths,
-            &[&params, info, nodes, primitives, materials, lights, targets, &counts, &fates, &segments],
-        );
+        let outputs = [&counts, &fates, &segments];
+        plan.each(buffers.kernels.count, pass.paths, &[&[&params], &buffers.for_photons()[..], &outputs].concat());
         let [_, _, block_fates] = scan(device, &mut plan, &fates, pass.paths)?;
         let [_, _, block_segments] = scan(device, &mut plan, &segments, pass.paths)?;
         pace.run(|| device.run(&plan))?;
@@ -209,23 +182,8 @@ pub(crate) fn trace(
         let params = device.upload("photon pass", &[*pass])?;
         let mut plan = Plan::new();
         plan.scope(kind.map);
-        plan.each(
-            Kernel::StorePhotons,
-            pass.paths,
-            &[
-                &params,
-                info,
-                nodes,
-                primitives,
-                materials,
-                lights,
-                targets,
-                &counts,
-                &offsets,
-                &block_offsets,
-                &unsorted,
-            ],
-        );
+        let places = [&counts, &offsets, &block_offsets, &unsorted];
+        plan.each(buffers.kernels.store, pass.paths, &[&[&params], &buffers.for_photons()[..], &places].concat());
         device.run(&plan)?;
     }
     tick(emitted, 1)?;

@@ -1,8 +1,9 @@
 //! The render: photon maps first, then the image, tile by tile.
 
+use crate::buffers::SceneBuffers;
 use crate::output::Image;
 use crate::pace::Pace;
-use crate::photons::{PassKind, SceneBuffers, photon_map};
+use crate::photons::{PassKind, photon_map};
 use crate::report::{MapReport, Progress, RenderReport};
 use crate::scene::{CompiledScene, Scene};
 use crate::{RenderError, Settings};
@@ -191,7 +192,7 @@ impl Camera<'_> {
         [tile, film_tile, film]: [&Buffer; 3],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, .. } = *self;
-        let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
+        let SceneBuffers { kernels, info, nodes, primitives, lights, .. } = self.buffers;
         let [width, height] = settings.size;
         let samples = pixels * settings.spp;
         let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
@@ -201,14 +202,11 @@ impl Camera<'_> {
         let direct = device.scratch::<Irradiance>("sample direct", records(parts & PART_DIRECT != 0))?;
         let mut plan = Plan::new();
         plan.scope("image");
-        plan.each(
-            Kernel::TraceCamera,
-            samples,
-            &[tile, &camera, info, nodes, primitives, materials, lights, &queries, &vertices],
-        );
+        let seen = [&queries, &vertices];
+        plan.each(kernels.camera, samples, &[&[tile, &camera], &self.buffers.for_camera()[..], &seen].concat());
         if parts & PART_DIRECT != 0 {
             plan.each(
-                Kernel::ShadeDirect,
+                kernels.direct,
                 samples,
                 &[tile, info, nodes, primitives, lights, &queries, &vertices, &direct],
             );

@@ -12,7 +12,8 @@ use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Texel,
+    Texture, Vertex,
 };
 
 /// Words that a layout kernel writes at most.
@@ -114,11 +115,17 @@ layouts! {
     );
     /// Records of scenes.
     layout_scene(
-        info: SceneInfo { primitives, lights, targets, nodes },
+        info: SceneInfo { primitives, lights, targets, nodes, lists, first_corners },
         nodes: BvhNode { near, skip, far, leaf },
-        primitives: Primitive { kind, material, light, size, position, normal, duals },
-        materials: Material { reflectance, kind, ior, survival },
+        primitives: Primitive { kind, material, light, size, position, normal, sides },
+        materials: Material { reflectance, kind, ior, survival, texture, roughness_texture },
         lights: Light { emission, kind, position, primitive, edges, normal, area, probability, cumulative }
+    );
+    /// Records of surfaces that are more than flat and of one colour.
+    layout_surface(
+        corners: Corners { normals, uv },
+        textures: Texture { first, width, height, wrap },
+        texels: Texel { rg, ba }
     );
     /// Records of the camera and the film.
     layout_film(

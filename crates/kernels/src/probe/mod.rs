@@ -10,4 +10,5 @@ pub use copy::copy_quads;
 pub use layout::LAYOUTS;
 pub use layout::{
     LAYOUT_WORDS, Words, layout_film, layout_grid, layout_kd, layout_map, layout_rivals, layout_scene, layout_sort,
+    layout_surface,
 };

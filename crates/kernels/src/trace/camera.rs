@@ -2,9 +2,11 @@
 
 use super::MAX_BOUNCES;
 use super::bvh::BvhNode;
-use super::intersect::{LOST, MISS, closest_hit, leave, surface_at};
+use super::intersect::{LOST, MISS, closest_hit, leave};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
+use super::surface::{Corners, material_at, surface_at};
+use super::texture::{Texel, Texture};
 use super::vector::{dot, normalize};
 use crate::exec::{Input, Store};
 use crate::layout::Query;
@@ -53,7 +55,7 @@ pub struct CameraTile {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Vertex {
-    /// Unit normal of the side that is seen.
+    /// Unit shading normal of the side that is seen.
     pub normal: [f32; 3],
     /// Index of the primitive, [`MISS`] or [`LOST`].
     pub primitive: u32,
@@ -67,7 +69,7 @@ pub struct Vertex {
 
 /// Follows sample `i` of the tile through mirrors and glass to the first diffuse surface.
 #[inline]
-pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
+pub fn trace_camera<const FULL: bool, Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     i: u32,
     tile: &CameraTile,
     camera: &Camera,
@@ -76,6 +78,9 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     primitives: &Input<Primitive>,
     materials: &Input<Material>,
     lights: &Input<Light>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     queries: &mut Q,
     vertices: &mut V,
 ) {
@@ -98,32 +103,32 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
         vertex.rays += 1;
-        let hit = closest_hit(origin, direction, info, nodes, primitives);
+        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives);
         if hit.primitive == MISS || hit.primitive == LOST {
             vertex.primitive = hit.primitive;
             break;
         }
         let primitive = primitives[hit.primitive as usize];
-        let material = materials[primitive.material as usize];
-        let (point, normal) = surface_at(origin, direction, hit.t, &primitive);
-        let cos = dot(direction, normal);
+        let surface = surface_at::<FULL>(origin, direction, hit, info, &primitive, corners);
+        let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
+        let point = surface.position;
+        let cos = dot(direction, surface.normal);
         if primitive.light != NO_LIGHT && cos < 0.0 {
             vertex.emitted = (throughput * Vec3::from_array(lights[primitive.light as usize].emission)).to_array();
         }
         if material.kind == MATERIAL_LAMBERTIAN {
-            let facing = if cos > 0.0 { -normal } else { normal };
             query = Query { position: point.to_array(), active: 1 };
-            vertex.normal = facing.to_array();
+            vertex.normal = surface.facing(surface.shading, direction).to_array();
             vertex.primitive = hit.primitive;
             let reflected = throughput * Vec3::from_array(material.reflectance);
             vertex.weight = (reflected * div(1.0, core::f32::consts::PI)).to_array();
             break;
         }
         let draw = rng.draw4(bounce);
-        let scattered = scatter_specular(&material, direction, normal, draw[0]);
+        let scattered = scatter_specular(&material, direction, surface.shading, draw[0]);
         throughput *= scattered.weight;
         direction = scattered.direction;
-        origin = leave(point, scattered.side, &primitive);
+        origin = leave(point, surface.side(scattered.side, direction), &primitive);
         bounce += 1;
     }
     queries.set(i, query);

@@ -4,7 +4,7 @@ use super::bvh::BvhNode;
 use super::camera::{CameraTile, Vertex, pixel_sobol};
 use super::emission::{choose_light, light_point};
 use super::intersect::{LOST, MISS, leave, occluded};
-use super::scene::{LIGHT_AREA, Light, Primitive, SceneInfo};
+use super::scene::{LIGHT_AREA, Light, PRIMITIVE_SPHERE, Primitive, SceneInfo};
 use super::vector::dot;
 use crate::exec::{Input, Store};
 use crate::gather::CUT_SHORT;
@@ -18,7 +18,7 @@ const CHOICE_KEY: u32 = 0x5f1a_0002;
 /// Irradiance of vertex `i` from one point of one light: L·cos θ·cos θ'·A / d² over the light's chance, or I·cos θ / d² for
 /// a point light. Glass blocks shadow rays: what it lets through is a caustic. In place of photons it counts shadow rays.
 #[inline]
-pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
+pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
     i: u32,
     tile: &CameraTile,
     info: &SceneInfo,
@@ -42,7 +42,14 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
         let light = lights[choose_light(choice[0], info, lights) as usize];
         let vertex = vertices[i as usize];
         let normal = Vec3::from_array(vertex.normal);
-        let origin = leave(Vec3::from_array(query.position), normal, &primitives[vertex.primitive as usize]);
+        let primitive = primitives[vertex.primitive as usize];
+        // The side that is seen, of the surface as it is.
+        let mut side = normal;
+        if FULL && primitive.kind != PRIMITIVE_SPHERE {
+            side = Vec3::from_array(primitive.normal);
+            side = if dot(side, normal) < 0.0 { -side } else { side };
+        }
+        let origin = leave(Vec3::from_array(query.position), side, &primitive);
         let to_light = light_point(&light, at[0], at[1]) - origin;
         let distance2 = dot(to_light, to_light);
         let distance = sqrt(distance2);
@@ -50,7 +57,7 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
             let direction = to_light * div(1.0, distance);
             let cos = dot(normal, direction);
             let mut geometry = 0.0;
-            if cos > 0.0 {
+            if cos > 0.0 && dot(side, direction) > 0.0 {
                 geometry = div(cos, distance2 * light.probability);
                 if light.kind == LIGHT_AREA {
                     let cos_light = -dot(Vec3::from_array(light.normal), direction);
@@ -58,7 +65,7 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
                 }
             }
             if geometry > 0.0 {
-                let blocker = occluded(origin, direction, distance, light.primitive, info, nodes, primitives);
+                let blocker = occluded::<FULL>(origin, direction, distance, light.primitive, info, nodes, primitives);
                 result.photons = 1;
                 if blocker == MISS {
                     result.rgb = (Vec3::from_array(light.emission) * geometry).to_array();

@@ -6,10 +6,12 @@
 
 use super::bvh::BvhNode;
 use super::emission::emit;
-use super::intersect::{MISS, closest_hit, leave, surface_at};
+use super::intersect::{MISS, closest_hit, leave};
 use super::material::scatter_specular;
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, Primitive, SceneInfo, Target};
-use super::vector::{dot, pack_direction, sample_cosine};
+use super::surface::{Corners, material_at, surface_at};
+use super::texture::{Texel, Texture};
+use super::vector::{pack_direction, sample_cosine};
 use super::{LOST, MAX_BOUNCES};
 use crate::exec::{Input, Store};
 use crate::layout::Photon;
@@ -52,7 +54,7 @@ const _: () = assert!(SCAN_BLOCK <= u32::MAX / MAX_BOUNCES);
 /// Counts the photons that the `i`-th path of the dispatch stores, and says what became of it and
 /// how many segments, rays from one surface to the next, it had.
 #[inline]
-pub fn count_photons<C: Store<u32> + ?Sized, F: Store<u32> + ?Sized, S: Store<u32> + ?Sized>(
+pub fn count_photons<const FULL: bool, C: Store<u32> + ?Sized, F: Store<u32> + ?Sized, S: Store<u32> + ?Sized>(
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -61,13 +63,29 @@ pub fn count_photons<C: Store<u32> + ?Sized, F: Store<u32> + ?Sized, S: Store<u3
     materials: &Input<Material>,
     lights: &Input<Light>,
     targets: &Input<Target>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     counts: &mut C,
     fates: &mut F,
     segments: &mut S,
 ) {
     if i < pass.paths {
         let path = pass.first + i;
-        let walked = walk(path, pass, info, nodes, primitives, materials, lights, targets, |_, _| {});
+        let walked = walk::<FULL, _>(
+            path,
+            pass,
+            info,
+            nodes,
+            primitives,
+            materials,
+            lights,
+            targets,
+            corners,
+            textures,
+            texels,
+            |_, _| {},
+        );
         counts.set(path, walked.stored);
         let landed = if walked.landed { FATE_LANDED } else { 0 };
         fates.set(i, landed + if walked.cut { FATE_CUT } else { 0 });
@@ -78,7 +96,7 @@ pub fn count_photons<C: Store<u32> + ?Sized, F: Store<u32> + ?Sized, S: Store<u3
 /// Stores the photons of the `i`-th path of the dispatch from the path's place on: its offset in its scan block, plus the
 /// offset of that block.
 #[inline]
-pub fn store_photons<P: Store<Photon> + ?Sized>(
+pub fn store_photons<const FULL: bool, P: Store<Photon> + ?Sized>(
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -87,6 +105,9 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
     materials: &Input<Material>,
     lights: &Input<Light>,
     targets: &Input<Target>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     counts: &Input<u32>,
     offsets: &Input<u32>,
     block_offsets: &Input<u32>,
@@ -96,12 +117,26 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
         let path = pass.first + i;
         let place = offsets[path as usize] + block_offsets[(path / SCAN_BLOCK) as usize];
         let counted = counts[path as usize];
-        walk(path, pass, info, nodes, primitives, materials, lights, targets, move |n, photon| {
+        let keep = move |n, photon: Photon| {
             // Exact walks agree. A driver may contract this kernel and the one that counted differently.
             if n < counted {
                 photons.set(place + n, photon);
             }
-        });
+        };
+        walk::<FULL, _>(
+            path,
+            pass,
+            info,
+            nodes,
+            primitives,
+            materials,
+            lights,
+            targets,
+            corners,
+            textures,
+            texels,
+            keep,
+        );
     }
 }
 
@@ -119,7 +154,7 @@ struct Walked {
 
 /// Walks path `path` and hands each photon it stores, with its number on the path, to `store`.
 #[inline]
-fn walk<F: FnMut(u32, Photon)>(
+fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
     path: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -128,6 +163,9 @@ fn walk<F: FnMut(u32, Photon)>(
     materials: &Input<Material>,
     lights: &Input<Light>,
     targets: &Input<Target>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     mut store: F,
 ) -> Walked {
     let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false };
@@ -148,7 +186,7 @@ fn walk<F: FnMut(u32, Photon)>(
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
         walked.segments += 1;
-        let hit = closest_hit(origin, direction, info, nodes, primitives);
+        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives);
         if hit.primitive == MISS {
             return walked;
         }
@@ -156,8 +194,9 @@ fn walk<F: FnMut(u32, Photon)>(
             break;
         }
         let primitive = primitives[hit.primitive as usize];
-        let material = materials[primitive.material as usize];
-        let (point, normal) = surface_at(origin, direction, hit.t, &primitive);
+        let surface = surface_at::<FULL>(origin, direction, hit, info, &primitive, corners);
+        let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
+        let point = surface.position;
         let draw = rng.draw4(2 + bounce);
         if material.kind == MATERIAL_LAMBERTIAN {
             walked.landed = true;
@@ -182,7 +221,8 @@ fn walk<F: FnMut(u32, Photon)>(
             }
             let gain = div(1.0, material.survival);
             power *= Vec3::from_array(material.reflectance) * gain;
-            let facing = if dot(direction, normal) > 0.0 { -normal } else { normal };
+            // About the surface as it is: what arrives is measured by the area that it arrives at, too.
+            let facing = surface.facing(surface.normal, direction);
             direction = sample_cosine(facing, draw[1], draw[2]);
             origin = leave(point, facing, &primitive);
             diffuse_bounces += 1;
@@ -190,10 +230,10 @@ fn walk<F: FnMut(u32, Photon)>(
             if draw[0] >= material.survival {
                 return walked;
             }
-            let scattered = scatter_specular(&material, direction, normal, draw[1]);
+            let scattered = scatter_specular(&material, direction, surface.shading, draw[1]);
             power *= scattered.weight * div(1.0, material.survival);
             direction = scattered.direction;
-            origin = leave(point, scattered.side, &primitive);
+            origin = leave(point, surface.side(scattered.side, direction), &primitive);
             specular_bounces += 1;
         }
         bounce += 1;

@@ -6,6 +6,10 @@ use bytemuck::{Pod, Zeroable};
 pub const PRIMITIVE_QUAD: u32 = 0;
 /// A sphere.
 pub const PRIMITIVE_SPHERE: u32 = 1;
+/// A triangle.
+pub const PRIMITIVE_TRIANGLE: u32 = 2;
+/// The ellipse that touches the sides of a quad in their middles; a disc if the quad is a square.
+pub const PRIMITIVE_DISC: u32 = 3;
 /// Ideal diffuse reflection, f_r = ρ/π.
 pub const MATERIAL_LAMBERTIAN: u32 = 0;
 /// Perfect specular reflection.
@@ -19,7 +23,13 @@ pub const LIGHT_POINT: u32 = 1;
 /// [`Primitive::light`] of what does not emit.
 pub const NO_LIGHT: u32 = 0xffff_ffff;
 
+/// [`Material::texture`] of a material of one colour.
+pub const NO_TEXTURE: u32 = 0xffff_ffff;
+
 /// How many of each the scene has.
+///
+/// The tracing kernels exist twice: BASIC ones know quads and spheres, and lambertian, mirror and dielectric materials of one colour;
+/// FULL ones know everything. Both are one body, and give a scene that BASIC ones can trace the same bits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SceneInfo {
@@ -29,29 +39,34 @@ pub struct SceneInfo {
     pub lights: u32,
     /// Number of specular objects at which caustic photons are aimed.
     pub targets: u32,
-    /// Number of nodes of the tree for each octant of directions.
+    /// Number of nodes of the tree, of each of its lists.
     pub nodes: u32,
+    /// Lists of nodes: 8, 4, 2 or 1. BASIC kernels take it for 8.
+    pub lists: u32,
+    /// First primitive that has [`Corners`](super::Corners): those from here on are triangles with normals and texture coordinates.
+    pub first_corners: u32,
 }
 
-/// A quad or a sphere.
+/// A quad, a sphere, a triangle or a disc.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Primitive {
-    /// [`PRIMITIVE_QUAD`] or [`PRIMITIVE_SPHERE`].
+    /// One of the `PRIMITIVE_` constants.
     pub kind: u32,
     /// Index of its material.
     pub material: u32,
     /// Index of its light, or [`NO_LIGHT`].
     pub light: u32,
-    /// Radius of a sphere, m. How far a quad reaches beyond its edges, in lengths of them: as far as rounding goes, so that quads
-    /// that share an edge leave no crack between them.
+    /// Radius of a sphere, m. How far a quad or disc reaches beyond its edges, in lengths of them: as far as rounding goes, so that
+    /// quads that share an edge leave no crack between them. The part of the way to its middle by which a triangle draws hits in.
     pub size: f32,
-    /// Centre, m.
+    /// Centre, m; of a triangle its first corner.
     pub position: [f32; 3],
-    /// Unit normal of a quad: u × v, its front side.
+    /// Unit normal of what is flat: u × v, its front side, from which a triangle's corners are seen counter-clockwise.
     pub normal: [f32; 3],
-    /// Dual vectors of a quad's edges u and v, m⁻¹: their products with (point − centre) are the point's coordinates along u and v, −½ to ½.
-    pub duals: [[f32; 3]; 2],
+    /// Of a quad or disc the dual vectors of its edges u and v, m⁻¹: their products with (point − centre) are the point's coordinates along
+    /// u and v, −½ to ½. Of a triangle its second and third corner, m.
+    pub sides: [[f32; 3]; 2],
 }
 
 /// What a surface does with light.
@@ -66,6 +81,10 @@ pub struct Material {
     pub ior: f32,
     /// Chance with which a photon survives here: the largest reflectance, so that its power never grows.
     pub survival: f32,
+    /// Index of the texture that [`reflectance`](Self::reflectance) is multiplied with, or [`NO_TEXTURE`].
+    pub texture: u32,
+    /// Index of the texture of which green multiplies a roughness and blue a metalness, as in glTF, or [`NO_TEXTURE`].
+    pub roughness_texture: u32,
 }
 
 /// A light.
@@ -103,9 +122,9 @@ pub struct Target {
 }
 
 const _: () = {
-    assert!(size_of::<SceneInfo>() == 16);
+    assert!(size_of::<SceneInfo>() == 24);
     assert!(size_of::<Primitive>() == 64);
-    assert!(size_of::<Material>() == 24);
+    assert!(size_of::<Material>() == 32);
     assert!(size_of::<Light>() == 80);
     assert!(size_of::<Target>() == 16);
 };

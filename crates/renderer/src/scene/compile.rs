@@ -4,25 +4,35 @@ use super::bvh;
 use super::content::{Content, NOTHING, Shape, Substance, Surface};
 use super::lights::{Source, chances};
 use caustic_kernels::trace::{
-    BvhNode, LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material,
-    NO_LIGHT, OCTANTS, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, Primitive, SceneInfo, Target,
+    BvhNode, Corners, LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material,
+    NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
+    Texel, Texture,
 };
 use glam::DVec3;
+use std::collections::BTreeMap;
 
 /// A scene as the kernels see it.
 #[derive(Clone, Debug)]
 pub struct CompiledScene {
     /// How many of each there are.
     pub info: SceneInfo,
-    /// The tree over the primitives: [`SceneInfo::nodes`] nodes for each octant of directions.
+    /// Whether it takes the FULL kernels to trace it; BASIC ones are faster.
+    pub full: bool,
+    /// The tree over the primitives: [`SceneInfo::lists`] lists of [`SceneInfo::nodes`] nodes.
     pub nodes: Vec<BvhNode>,
-    /// Quads, then spheres, each in the file's order.
+    /// Quads, then spheres, discs and triangles, each in the file's order; those with corners last.
     pub primitives: Vec<Primitive>,
+    /// Normals and texture coordinates of the triangles from [`SceneInfo::first_corners`] on.
+    pub corners: Vec<Corners>,
+    /// Pictures on materials.
+    pub textures: Vec<Texture>,
+    /// Their texels.
+    pub texels: Vec<Texel>,
     /// Materials in the order of their names.
     pub materials: Vec<Material>,
     /// Area lights, then point lights, each in the file's order; at least one.
     pub lights: Vec<Light>,
-    /// Spheres around the mirrors and dielectrics.
+    /// Spheres around the mirrors and dielectrics, one around a mesh.
     pub targets: Vec<Target>,
     /// Lower and upper corner of a box around all surfaces that store photons, a little larger than they are, m; both are
     /// the origin if no surface does.
@@ -37,6 +47,8 @@ pub struct CompiledScene {
 
 /// Farthest that a quad may reach beyond its edges, in lengths of them, however small it is in its scene.
 const MOST_BEYOND: f64 = 1.0 / 1024.0;
+/// Most of the way to a triangle's middle by which hits are drawn in, however small it is in its scene.
+const MOST_INWARDS: f64 = 1.0 / 64.0;
 
 /// Compiles a scene.
 pub(super) fn compile(content: &Content) -> CompiledScene {
@@ -54,17 +66,24 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
     let reach = content.reach();
     let primitives: Vec<Primitive> =
         content.surfaces.iter().zip(&light_of).map(|(surface, &light)| primitive(surface, light, reach)).collect();
-    let nodes = bvh::nodes(&primitives, reach);
-    let targets: Vec<Target> = content.surfaces.iter().filter(|surface| specular(surface)).map(target).collect();
-    let has_diffuse = targets.len() < primitives.len();
+    let bvh::Lists { nodes, lists } = bvh::nodes(&primitives, reach);
+    let targets = targets(content.surfaces.iter().filter(|surface| specular(surface)));
+    let has_diffuse = content.surfaces.iter().any(|surface| !specular(surface));
+    let basic = |primitive: &Primitive| matches!(primitive.kind, PRIMITIVE_QUAD | PRIMITIVE_SPHERE);
     let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
     CompiledScene {
         info: SceneInfo {
             primitives: primitives.len() as u32,
             lights: lights.len() as u32,
             targets: targets.len() as u32,
-            nodes: nodes.len() as u32 / OCTANTS,
+            nodes: nodes.len() as u32 / lists,
+            lists,
+            first_corners: (primitives.len() - content.corners.len()) as u32,
         },
+        full: lists < OCTANTS || !content.textures.is_empty() || !primitives.iter().all(basic),
+        corners: content.corners.clone(),
+        textures: content.textures.clone(),
+        texels: content.texels.clone(),
         materials: content.materials.iter().map(material).collect(),
         diffuse_bounds: bounds(content.surfaces.iter().filter(|surface| !specular(surface))),
         has_specular: !targets.is_empty(),
@@ -117,18 +136,32 @@ fn primitive(surface: &Surface, light: u32, reach: f64) -> Primitive {
         Shape::Sphere { centre, radius } => {
             Primitive { kind: PRIMITIVE_SPHERE, size: radius as f32, position: rounded(centre), ..shared }
         }
-        Shape::Quad { corner, edge_u, edge_v } => {
+        Shape::Triangle { corners: [a, b, c] } => {
+            let normal = (b - a).cross(c - a);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            // A point of an edge comes away from it by a third of this part of the triangle's smallest height.
+            let inwards = 24.0 * 2f64.powi(-21) * reach * longest / normal.length();
+            Primitive {
+                kind: PRIMITIVE_TRIANGLE,
+                size: inwards.min(MOST_INWARDS) as f32,
+                position: rounded(a),
+                normal: rounded(normal.normalize()),
+                sides: [rounded(b), rounded(c)],
+                ..shared
+            }
+        }
+        Shape::Quad { corner, edge_u, edge_v } | Shape::Disc { corner, edge_u, edge_v } => {
             let normal = edge_u.cross(edge_v);
             let square = normal.length_squared();
             let duals = [edge_v.cross(normal) / square, normal.cross(edge_u) / square];
             // A hit is wrong by some units in the last place of the scene's coordinates; as a part of the quad's smaller height:
             let rounding = 2f64.powi(-21) * reach * duals[0].length().max(duals[1].length());
             Primitive {
-                kind: PRIMITIVE_QUAD,
+                kind: if matches!(surface.shape, Shape::Disc { .. }) { PRIMITIVE_DISC } else { PRIMITIVE_QUAD },
                 size: rounding.min(MOST_BEYOND) as f32,
                 position: rounded(corner + (edge_u + edge_v) / 2.0),
                 normal: rounded(normal / square.sqrt()),
-                duals: duals.map(rounded),
+                sides: duals.map(rounded),
                 ..shared
             }
         }
@@ -141,10 +174,38 @@ fn material(substance: &Substance) -> Material {
         Substance::Mirror(reflectance) => (MATERIAL_MIRROR, reflectance, 1.0),
         Substance::Dielectric(ior) => (MATERIAL_DIELECTRIC, DVec3::ONE, ior),
     };
-    Material { reflectance: rounded(reflectance), kind, ior: ior as f32, survival: reflectance.max_element() as f32 }
+    Material {
+        reflectance: rounded(reflectance),
+        kind,
+        ior: ior as f32,
+        survival: reflectance.max_element() as f32,
+        texture: NO_TEXTURE,
+        roughness_texture: NO_TEXTURE,
+    }
 }
 
-/// The smallest sphere around a surface.
+/// A sphere around each object that surfaces are of.
+fn targets<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> Vec<Target> {
+    let mut targets = Vec::new();
+    // Boxes of the objects that are of triangles.
+    let mut meshes: BTreeMap<u32, (DVec3, DVec3)> = BTreeMap::new();
+    for surface in surfaces {
+        if matches!(surface.shape, Shape::Triangle { .. }) {
+            let (low, high) = surface.bounds();
+            let all = meshes.entry(surface.object).or_insert(NOTHING);
+            *all = (all.0.min(low), all.1.max(high));
+        } else {
+            targets.push(target(surface));
+        }
+    }
+    targets.extend(meshes.into_values().map(|(low, high)| Target {
+        centre: rounded((low + high) / 2.0),
+        radius: ((high - low).length() / 2.0) as f32,
+    }));
+    targets
+}
+
+/// The smallest sphere around a surface that is not a triangle.
 fn target(surface: &Surface) -> Target {
     match surface.shape {
         Shape::Sphere { centre, radius } => Target { centre: rounded(centre), radius: radius as f32 },
@@ -152,6 +213,10 @@ fn target(surface: &Surface) -> Target {
             centre: rounded(corner + (edge_u + edge_v) / 2.0),
             radius: ((edge_u + edge_v).length().max((edge_u - edge_v).length()) / 2.0) as f32,
         },
+        Shape::Disc { .. } | Shape::Triangle { .. } => {
+            let (low, high) = surface.bounds();
+            Target { centre: rounded((low + high) / 2.0), radius: ((high - low).length() / 2.0) as f32 }
+        }
     }
 }
 

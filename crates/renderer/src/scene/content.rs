@@ -1,5 +1,6 @@
 //! What a scene holds once it is checked: everything in f64, as it was given.
 
+use caustic_kernels::trace::{Corners, Texel, Texture};
 use glam::DVec3;
 
 /// Everything but names and settings.
@@ -8,8 +9,13 @@ pub(super) struct Content {
     pub camera: Viewpoint,
     /// In the order of their names; the black of lights without a material, if there are such, is last.
     pub materials: Vec<Substance>,
-    /// Quads, then spheres, each in the file's order.
+    /// Quads, then spheres, discs and triangles, each in the file's order; those that have corners last, in the order of these.
     pub surfaces: Vec<Surface>,
+    /// Normals and texture coordinates of triangles.
+    pub corners: Vec<Corners>,
+    /// Pictures.
+    pub textures: Vec<Texture>,
+    pub texels: Vec<Texel>,
     pub points: Vec<PointLight>,
 }
 
@@ -29,8 +35,9 @@ impl Content {
         let origin = DVec3::new(along(low.x, high.x), along(low.y, high.y), along(low.z, high.z));
         for surface in &mut self.surfaces {
             match &mut surface.shape {
-                Shape::Quad { corner, .. } => *corner -= origin,
+                Shape::Quad { corner, .. } | Shape::Disc { corner, .. } => *corner -= origin,
                 Shape::Sphere { centre, .. } => *centre -= origin,
+                Shape::Triangle { corners } => corners.iter_mut().for_each(|corner| *corner -= origin),
             }
         }
         for point in &mut self.points {
@@ -80,6 +87,10 @@ pub(super) struct Surface {
     pub material: usize,
     /// What a quad's front emits, W·sr⁻¹·m⁻².
     pub radiance: Option<DVec3>,
+    /// What it is a part of: the triangles of a mesh are one object.
+    pub object: u32,
+    /// Whether it has [`Corners`].
+    pub has_corners: bool,
 }
 
 impl Surface {
@@ -87,7 +98,9 @@ impl Surface {
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match self.shape {
             Shape::Sphere { centre, radius } => (centre - radius, centre + radius),
-            Shape::Quad { corner, edge_u, edge_v } => {
+            Shape::Triangle { corners: [a, b, c] } => (a.min(b).min(c), a.max(b).max(c)),
+            // A disc's is the box of its square.
+            Shape::Quad { corner, edge_u, edge_v } | Shape::Disc { corner, edge_u, edge_v } => {
                 let opposite = corner + edge_u + edge_v;
                 let (u, v) = (corner + edge_u, corner + edge_v);
                 (corner.min(opposite).min(u).min(v), corner.max(opposite).max(u).max(v))
@@ -101,6 +114,10 @@ impl Surface {
 pub(super) enum Shape {
     Quad { corner: DVec3, edge_u: DVec3, edge_v: DVec3 },
     Sphere { centre: DVec3, radius: f64 },
+    /// Inscribed in the square that these edges span.
+    Disc { corner: DVec3, edge_u: DVec3, edge_v: DVec3 },
+    /// Counter-clockwise as its front is seen.
+    Triangle { corners: [DVec3; 3] },
 }
 
 /// A light that is a point.

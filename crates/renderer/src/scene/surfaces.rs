@@ -130,7 +130,7 @@ pub(super) fn quad(
             "is a mirror or dielectric, but a quad that emits must be lambertian; choose another or remove `radiance`";
         return Err(document.field_error(&path.key("material"), problem));
     }
-    Ok(Surface { shape: Shape::Quad { corner, edge_u, edge_v }, material, radiance })
+    Ok(Surface { shape: Shape::Quad { corner, edge_u, edge_v }, material, radiance, object: 0, has_corners: false })
 }
 
 /// Checks a sphere.
@@ -143,5 +143,5 @@ pub(super) fn sphere(
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
     let material = palette.find(document, &path.key("material"), &table.material)?;
-    Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance: None })
+    Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance: None, object: 0, has_corners: false })
 }

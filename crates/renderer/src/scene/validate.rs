@@ -37,7 +37,15 @@ pub(super) fn validate(document: &Document<'_>, file: &SceneFile) -> Result<(Ren
             intensity: emission(document, &path.key("intensity"), table.intensity, "an intensity (W/sr)")?,
         });
     }
-    let content = Content { camera, materials: palette.materials, surfaces, points };
+    let content = Content {
+        camera,
+        materials: palette.materials,
+        surfaces,
+        corners: Vec::new(),
+        textures: Vec::new(),
+        texels: Vec::new(),
+        points,
+    };
     whole_scene(document, &content)?;
     Ok((defaults, content.localised()))
 }
@@ -87,6 +95,6 @@ fn inside_glass(content: &Content, point: DVec3) -> bool {
         Shape::Sphere { centre, radius } => {
             matches!(content.materials[surface.material], Substance::Dielectric(_)) && point.distance(centre) < radius
         }
-        Shape::Quad { .. } => false,
+        Shape::Quad { .. } | Shape::Disc { .. } | Shape::Triangle { .. } => false,
     })
 }
