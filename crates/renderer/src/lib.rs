@@ -3,8 +3,10 @@
 pub mod output;
 pub mod scene;
 
+mod buffers;
 mod crowd;
 mod error;
+mod ledger;
 mod pace;
 mod passes;
 mod photons;
@@ -13,7 +15,9 @@ mod report;
 mod settings;
 mod verify;
 
+pub use buffers::{SceneBuffers, Tracers};
 pub use error::RenderError;
+pub use ledger::LightLedger;
 pub use passes::{View, trace_photons};
 pub use render::{Rendered, render};
 pub use report::{MapReport, Progress, RenderReport};

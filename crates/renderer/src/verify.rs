@@ -171,13 +171,15 @@ fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
 }
 
 /// The kernels that write down where they find fields.
-const LAYOUT_KERNELS: [Kernel; 7] = [
+const LAYOUT_KERNELS: [Kernel; 9] = [
     Kernel::LayoutMap,
     Kernel::LayoutGrid,
     Kernel::LayoutRivals,
     Kernel::LayoutKd,
     Kernel::LayoutSort,
     Kernel::LayoutScene,
+    Kernel::LayoutSurface,
+    Kernel::LayoutLedger,
     Kernel::LayoutFilm,
 ];
 
@@ -299,6 +301,6 @@ mod tests {
             }
             assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
         }
-        assert_eq!(records, 28);
+        assert_eq!(records, 35);
     }
 }

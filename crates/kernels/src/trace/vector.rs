@@ -84,6 +84,25 @@ pub fn sample_cone(axis: Vec3, one_minus_cos: f32, u: f32, v: f32) -> Vec3 {
     from_frame(axis, r * cos, r * sin, 1.0 - h)
 }
 
+/// The direction of `axis`, any direction for none.
+#[inline]
+#[must_use]
+pub fn axis_direction(axis: Vec3) -> Vec3 {
+    if dot(axis, axis) > 0.0 { normalize(axis) } else { Vec3::Z }
+}
+
+/// 1 − cos of the half angle of the cone that a sphere at `axis` fills; 2, every direction, from inside it.
+#[inline]
+#[must_use]
+pub fn cone(axis: Vec3, radius: f32) -> f32 {
+    let distance2 = dot(axis, axis);
+    if distance2 <= radius * radius {
+        return 2.0;
+    }
+    let sin2 = div(radius * radius, distance2);
+    div(sin2, 1.0 + sqrt(1.0 - sin2))
+}
+
 /// Packs a unit vector into 16 + 16 bits by octahedral mapping (Cigolle et al., JCGT 2014); the error is below 10⁻⁴ rad.
 #[inline]
 #[must_use]

@@ -3,7 +3,7 @@
 use super::microfacet::{SMOOTHEST, sample_visible, visible_density};
 use super::*;
 use crate::num::pcg4d;
-use crate::trace::scene::{MATERIAL_DIELECTRIC, MATERIAL_MIRROR};
+use crate::trace::scene::{MATERIAL_DIELECTRIC, MATERIAL_MIRROR, NO_TEXTURE};
 use crate::trace::vector::normalize;
 use std::vec;
 use std::vec::Vec;
@@ -14,6 +14,8 @@ pub(crate) const NOTHING: Material = Material {
     kind: MATERIAL_LAMBERTIAN,
     ior: 1.0,
     survival: 0.0,
+    texture: NO_TEXTURE,
+    roughness_texture: NO_TEXTURE,
     roughness: 0.0,
     metallic: 0.0,
     absorption: [0.0; 3],
