@@ -3,8 +3,8 @@
 use caustic_device::{Device, Kernel, Plan};
 use caustic_kernels::layout::Query;
 use caustic_kernels::trace::{
-    BLOCKED, BvhNode, Camera, CameraTile, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT, OCTANTS, Primitive,
-    SceneInfo, Slabs, Vertex, closest_hit, intersect, occluded, octant,
+    BLOCKED, BvhNode, Camera, CameraTile, Corners, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT, OCTANTS,
+    Primitive, SceneInfo, Slabs, Texel, Texture, Vertex, closest_hit, intersect, occluded, octant,
 };
 use caustic_renderer::scene::CompiledScene;
 use caustic_tests::gpu;
@@ -21,7 +21,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
     for _ in 0..rays {
         let (origin, direction) = ray(&mut random, scene, side, last);
         let expected = linear(origin, direction, &scene.primitives);
-        let found = closest_hit(origin, direction, &scene.info, nodes, &scene.primitives);
+        let found = closest_hit::<true>(origin, direction, &scene.info, nodes, &scene.primitives);
         let mut same = (found.t.to_bits(), found.primitive) == (expected.t.to_bits(), expected.primitive);
         // Shadow rays that end before, at, and after something.
         let distance = expected.t.min(side) * [0.5, 1.0, 1.000_001, 3.0][random.below(4) as usize];
@@ -30,7 +30,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
             let t = intersect(origin, direction, primitive);
             i != except && t > 0.0 && t < distance
         });
-        let shadow = occluded(origin, direction, distance, except, &scene.info, nodes, &scene.primitives);
+        let shadow = occluded::<true>(origin, direction, distance, except, &scene.info, nodes, &scene.primitives);
         same &= shadow == if blocked { BLOCKED } else { MISS };
         differ += u32::from(!same);
         met += u32::from(expected.primitive != MISS);
@@ -143,7 +143,7 @@ fn the_cost_of_a_ray_grows_like_a_tree() {
             while at < end {
                 let node = scene.nodes[at as usize];
                 visited += 1;
-                if !slabs.meet(&node, best) {
+                if !slabs.meet::<true>(&node, best) {
                     at = node.skip;
                     continue;
                 }
@@ -155,7 +155,7 @@ fn the_cost_of_a_ray_grows_like_a_tree() {
                 }
                 at += 1;
             }
-            assert_eq!(best, closest_hit(origin, direction, &scene.info, &scene.nodes, &scene.primitives).t);
+            assert_eq!(best, closest_hit::<true>(origin, direction, &scene.info, &scene.nodes, &scene.primitives).t);
         }
         [visited, tested].map(|sum| f64::from(sum) / f64::from(RAYS))
     };
@@ -192,10 +192,14 @@ fn a_ray_that_does_not_come_to_its_end_is_lost() {
         let primitives = device.upload("primitives", &[wall]).unwrap();
         let materials = device.upload("materials", &[Material::default()]).unwrap();
         let lights = device.buffer::<Light>("lights", 0).unwrap();
+        let corners = device.buffer::<Corners>("corners", 0).unwrap();
+        let textures = device.buffer::<Texture>("textures", 0).unwrap();
+        let texels = device.buffer::<Texel>("texels", 0).unwrap();
         let queries = device.buffer::<Query>("queries", 1).unwrap();
         let vertices = device.buffer::<Vertex>("vertices", 1).unwrap();
         let mut plan = Plan::new();
-        let buffers = [&tile, &camera, &info, &nodes, &primitives, &materials, &lights, &queries, &vertices];
+        let scene = [&info, &nodes, &primitives, &materials, &lights, &corners, &textures, &texels];
+        let buffers = [&[&tile, &camera], &scene[..], &[&queries, &vertices]].concat();
         plan.each(Kernel::TraceCamera, 1, &buffers);
         device.run(&plan).unwrap();
         let found: Vec<Vertex> = device.read(&vertices, 1).unwrap();

@@ -9,8 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, FilmTile, GatherTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo,
-    Target, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LedgerBlock, LedgerPass, LedgerSum, Light, Material,
+    PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -54,14 +54,21 @@ records! {
     RadixPass: "uuuu",
     ScanParams: "uu",
     PhotonPass: "uuuuuu",
-    SceneInfo: "uuuu",
+    SceneInfo: "uuuuuu",
     BvhNode: "fffufffu",
     Primitive: "uuufffffffffffff",
-    Material: "fffuff",
-    Light: "fffufffuffffffffffff",
+    Material: "fffuffuufffff",
+    Corners: "uuuffffff",
+    Texture: "uuuu",
+    Texel: "uu",
+    Light: "fffufffuffffffffffffuuuu",
     Target: "ffff",
     CameraTile: "uuuu",
-    Camera: "fffufffuffffff",
+    Tally: "fffffffffffffff",
+    LedgerPass: "u",
+    LedgerBlock: "uu",
+    LedgerSum: "fffffffffffffffffuu",
+    Camera: "fffufffufffffffffffff",
     Vertex: "fffuffffffu",
     FilmTile: "uuuu",
     GatherTile: "uuuuu",

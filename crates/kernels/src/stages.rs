@@ -293,31 +293,58 @@ macro_rules! stages {
 
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 counts: Out u32, 8 fates: Out u32,
-                9 segments: Out u32
-            ) = trace::count_photons;
+                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
+                8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32,
+                13 tallies: Out Tally
+            ) = trace::count_photons[false, _, _, _, _];
+            each CountPhotonsFull = count_photons_full [64] (
+                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
+                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
+                8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32,
+                13 tallies: Out Tally
+            ) = trace::count_photons[true, _, _, _, _];
             each StorePhotons = store_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 counts: In u32, 8 offsets: In u32,
-                9 block_offsets: In u32, 10 photons: Out Photon
-            ) = trace::store_photons;
+                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
+                8 textures: In Texture, 9 texels: In Texel, 10 counts: In u32, 11 offsets: In u32, 12 block_offsets: In u32,
+                13 photons: Out Photon
+            ) = trace::store_photons[false, _];
+            each StorePhotonsFull = store_photons_full [64] (
+                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
+                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
+                8 textures: In Texture, 9 texels: In Texel, 10 counts: In u32, 11 offsets: In u32, 12 block_offsets: In u32,
+                13 photons: Out Photon
+            ) = trace::store_photons[true, _];
+            each SumLedger = sum_ledger [64] (
+                0 pass: One LedgerPass, 1 blocks: In LedgerBlock, 2 tallies: In Tally, 3 sums: Out LedgerSum
+            ) = trace::sum_ledger;
             each TraceCamera = trace_camera [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
-                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 queries: Out Query,
-                8 vertices: Out Vertex
-            ) = trace::trace_camera;
+                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 corners: In Corners,
+                8 textures: In Texture, 9 texels: In Texel, 10 queries: Out Query, 11 vertices: Out Vertex
+            ) = trace::trace_camera[false, _, _];
+            each TraceCameraFull = trace_camera_full [64] (
+                0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
+                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 corners: In Corners,
+                8 textures: In Texture, 9 texels: In Texel, 10 queries: Out Query, 11 vertices: Out Vertex
+            ) = trace::trace_camera[true, _, _];
             each ShadeDirect = shade_direct [64] (
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 lights: In Light, 5 queries: In Query, 6 vertices: In Vertex, 7 direct: Out Irradiance
-            ) = trace::shade_direct;
+                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex, 8 direct: Out Irradiance
+            ) = trace::shade_direct[false, _];
+            each ShadeDirectFull = shade_direct_full [64] (
+                0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
+                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex, 8 direct: Out Irradiance
+            ) = trace::shade_direct[true, _];
             each TracePaths = trace_paths [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
-                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 vertices: Out Vertex
+                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 corners: In Corners,
+                8 textures: In Texture, 9 texels: In Texel, 10 vertices: Out Vertex
             ) = trace::trace_paths;
             each TraceGather = trace_gather [64] (
                 0 tile: One GatherTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex,
-                8 gather_queries: Out Query, 9 gather_vertices: Out Vertex
+                4 materials: In Material, 5 lights: In Light, 6 corners: In Corners, 7 textures: In Texture, 8 texels: In Texel,
+                9 queries: In Query, 10 vertices: In Vertex, 11 gather_queries: Out Query, 12 gather_vertices: Out Vertex
             ) = trace::trace_gather;
             each SumGather = sum_gather [64] (
                 0 tile: One GatherTile, 1 gather_vertices: In Vertex, 2 estimates: In Irradiance, 3 irradiance: Out Irradiance
@@ -355,6 +382,12 @@ macro_rules! stages {
                 0 info: In SceneInfo, 1 nodes: In BvhNode, 2 primitives: In Primitive, 3 materials: In Material,
                 4 lights: In Light, 5 words: Out u32
             ) = probe::layout_scene;
+            each LayoutSurface = layout_surface [64] (
+                0 corners: In Corners, 1 textures: In Texture, 2 texels: In Texel, 3 words: Out u32
+            ) = probe::layout_surface;
+            each LayoutLedger = layout_ledger [64] (
+                0 tallies: In Tally, 1 pass: In LedgerPass, 2 blocks: In LedgerBlock, 3 sums: In LedgerSum, 4 words: Out u32
+            ) = probe::layout_ledger;
             each LayoutFilm = layout_film [64] (
                 0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,
                 5 gather: In GatherTile, 6 words: Out u32

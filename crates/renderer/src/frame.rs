@@ -1,14 +1,16 @@
 //! One pass of a picture: photon maps first, then the film, tile by tile.
 
+use crate::buffers::SceneBuffers;
+use crate::ledger;
 use crate::pace::Pace;
-use crate::photons::{PassKind, SceneBuffers, photon_map};
+use crate::photons::{PassKind, photon_map};
 use crate::report::{MapReport, Progress};
 use crate::scene::{CompiledScene, Scene};
 use crate::{Integrator, RenderError, Settings};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::{Irradiance, Query};
 use caustic_kernels::trace::{
-    Camera, CameraTile, FilmTile, GatherTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, Vertex,
+    Camera, CameraTile, FilmTile, GatherTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, RAY_CAUSTIC, Vertex,
 };
 use caustic_photon_map::{PhotonMap, Seen};
 
@@ -34,6 +36,8 @@ pub(crate) struct Pass {
     pub(crate) complete: bool,
     pub(crate) maps: Vec<MapReport>,
     pub(crate) notes: Vec<String>,
+    /// What makes the picture doubtful.
+    pub(crate) problems: Vec<String>,
 }
 
 impl<'a> Frame<'a> {
@@ -60,7 +64,8 @@ impl<'a> Frame<'a> {
     pub(crate) fn caustic_pass(&self) -> Option<PassKind> {
         let Settings { caustic_photons, show, .. } = *self.settings;
         let wanted = self.settings.parts() & PART_CAUSTIC != 0;
-        let possible = wanted && self.compiled.has_specular && caustic_photons > 0;
+        let aimed = self.compiled.has_specular && self.compiled.fewest_photons(RAY_CAUSTIC) > 0;
+        let possible = wanted && aimed && caustic_photons > 0;
         possible.then(|| PassKind::caustic(caustic_photons, show))
     }
 
@@ -71,7 +76,8 @@ impl<'a> Frame<'a> {
         radius: f32,
         progress: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Pass, RenderError> {
-        let mut pass = Pass { film: Vec::new(), complete: false, maps: Vec::new(), notes: Vec::new() };
+        let mut pass =
+            Pass { film: Vec::new(), complete: false, maps: Vec::new(), notes: Vec::new(), problems: Vec::new() };
         let global = self.map(self.global_pass(), seed, radius, &mut pass, progress)?;
         let caustic = self.map(self.caustic_pass(), seed, radius, &mut pass, progress)?;
         if self.settings.parts() & PART_CAUSTIC != 0 && !self.compiled.has_specular {
@@ -98,8 +104,9 @@ impl<'a> Frame<'a> {
         }
         if report.paths_cut > 0 {
             let (cut, map) = (report.paths_cut, kind.map);
-            pass.notes.push(format!("{cut} paths of the {map} map were given up after 1024 bounces"));
+            pass.problems.push(format!("{cut} paths of the {map} map were given up after 1024 bounces"));
         }
+        pass.problems.extend(ledger::problems(kind.map, &report.ledger));
         pass.maps.push(report);
         Ok(map)
     }
@@ -165,7 +172,7 @@ impl<'a> Frame<'a> {
         film: &Buffer,
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, ref camera, .. } = *self;
-        let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
+        let SceneBuffers { kernels, info, nodes, primitives, materials, lights, .. } = self.buffers;
         let samples = pixels * settings.spp;
         let paths = settings.integrator == Integrator::Path;
         let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
@@ -174,17 +181,17 @@ impl<'a> Frame<'a> {
         let direct = device.scratch::<Irradiance>("sample direct", records(parts & PART_DIRECT != 0))?;
         let mut plan = Plan::new();
         plan.scope("image");
-        let scene = [&tiles.camera, camera, info, nodes, primitives, materials, lights];
+        let from = [&[&tiles.camera, camera], &self.buffers.for_camera()[..]].concat();
         if paths {
-            plan.each(Kernel::TracePaths, samples, &[&scene[..], &[&vertices]].concat());
+            plan.each(Kernel::TracePaths, samples, &[&from[..], &[&vertices]].concat());
         } else {
-            plan.each(Kernel::TraceCamera, samples, &[&scene[..], &[&queries, &vertices]].concat());
+            plan.each(kernels.camera, samples, &[&from[..], &[&queries, &vertices]].concat());
         }
         if parts & PART_DIRECT != 0 {
             plan.each(
-                Kernel::ShadeDirect,
+                kernels.direct,
                 samples,
-                &[&tiles.camera, info, nodes, primitives, lights, &queries, &vertices, &direct],
+                &[&tiles.camera, info, nodes, primitives, materials, lights, &queries, &vertices, &direct],
             );
         }
         let mut estimates = Vec::new();
@@ -230,13 +237,12 @@ impl<'a> Frame<'a> {
         vertices: &Buffer,
         out: &Buffer,
     ) -> Result<(), RenderError> {
-        let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
         let count = samples * self.settings.final_gather;
         let seen_queries = self.device.scratch::<Query>("gather queries", u64::from(count))?;
         let seen_vertices = self.device.scratch::<Vertex>("gather vertices", u64::from(count))?;
         let estimates = self.device.scratch::<Irradiance>("gather estimates", u64::from(count))?;
-        let from = [tile, info, nodes, primitives, materials, lights, queries, vertices];
-        plan.each(Kernel::TraceGather, count, &[&from[..], &[&seen_queries, &seen_vertices]].concat());
+        let ends = [queries, vertices, &seen_queries, &seen_vertices];
+        plan.each(Kernel::TraceGather, count, &[&[tile], &self.buffers.for_camera()[..], &ends].concat());
         self.plan_estimate(plan, map, &seen_queries, &seen_vertices, count, &estimates)?;
         plan.each(Kernel::SumGather, samples, &[tile, &seen_vertices, &estimates, out]);
         Ok(())

@@ -4,10 +4,12 @@ pub mod output;
 pub mod scene;
 
 mod accumulate;
+mod buffers;
 mod checkpoint;
 mod crowd;
 mod error;
 mod frame;
+mod ledger;
 mod pace;
 mod passes;
 mod photons;
@@ -18,8 +20,10 @@ mod settings;
 mod verify;
 
 pub use accumulate::ProgressState;
+pub use buffers::{SceneBuffers, Tracers};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use error::RenderError;
+pub use ledger::LightLedger;
 pub use passes::{View, trace_photons};
 pub use render::{Rendered, render, render_on};
 pub use report::{MapReport, Progress, RenderReport};

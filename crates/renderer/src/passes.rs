@@ -1,7 +1,8 @@
 //! The passes of a render by themselves, for those who put something else between them.
 
+use crate::buffers::SceneBuffers;
 use crate::output::Image;
-use crate::photons::{PassKind, SceneBuffers, trace};
+use crate::photons::{PassKind, trace};
 use crate::scene::Scene;
 use crate::{RenderError, Show};
 use caustic_device::{Buffer, Device, Kernel, Plan};
@@ -20,13 +21,14 @@ pub fn trace_photons(
     emitted: u32,
     seed: u32,
 ) -> Result<Vec<Photon>, RenderError> {
-    let buffers = SceneBuffers::new(device, &scene.compile())?;
+    let scene = scene.compile();
+    let buffers = SceneBuffers::new(device, &scene)?;
     let kind = if show == Show::MapCaustic {
         PassKind::caustic(emitted, show)
     } else {
         PassKind::global(emitted, show, false)
     };
-    let (photons, report) = trace(device, &buffers, seed, &kind, &mut |_| true)?;
+    let (photons, report) = trace(device, &scene, &buffers, seed, &kind, &mut |_| true)?;
     photons.map_or(Ok(Vec::new()), |photons| Ok(device.read(&photons, u64::from(report.photons_stored))?))
 }
 
@@ -47,16 +49,15 @@ impl View {
     pub fn new(device: &Device, scene: &Scene, size: [u32; 2], samples: u32, seed: u32) -> Result<Self, RenderError> {
         let [width, height] = size;
         let count = width * height * samples;
-        let SceneBuffers { info, nodes, primitives, materials, lights, .. } =
-            SceneBuffers::new(device, &scene.compile())?;
+        let buffers = SceneBuffers::new(device, &scene.compile())?;
         let tile = CameraTile { first_pixel: 0, pixels: width * height, samples, seed };
         let tile = device.upload("camera tile", &[tile])?;
         let camera = device.upload("camera", &[scene.camera(width, height)])?;
         let queries = device.buffer::<Query>("sample queries", u64::from(count))?;
         let vertices = device.buffer::<Vertex>("sample vertices", u64::from(count))?;
         let mut plan = Plan::new();
-        let buffers = [&tile, &camera, &info, &nodes, &primitives, &materials, &lights, &queries, &vertices];
-        plan.each(Kernel::TraceCamera, count, &buffers);
+        let seen = [&queries, &vertices];
+        plan.each(buffers.kernels.camera, count, &[&[&tile, &camera], &buffers.for_camera()[..], &seen].concat());
         device.run(&plan)?;
         Ok(Self { queries, vertices, size, samples })
     }

@@ -1,13 +1,15 @@
 //! A photon pass: count, scan, store, build.
 
+use crate::buffers::SceneBuffers;
+use crate::ledger::Books;
 use crate::pace::Pace;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
 use crate::{RenderError, Settings, Show};
-use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL};
+use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally};
 use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
@@ -18,29 +20,6 @@ const FIRST_CHUNK: u32 = 1 << 18;
 const SAMPLE: u64 = 4096;
 /// Most photons of a map.
 const MAX_STORED: u32 = 1 << 30;
-
-/// The scene in a device's buffers.
-pub(crate) struct SceneBuffers {
-    pub(crate) info: Buffer,
-    pub(crate) nodes: Buffer,
-    pub(crate) primitives: Buffer,
-    pub(crate) materials: Buffer,
-    pub(crate) lights: Buffer,
-    pub(crate) targets: Buffer,
-}
-
-impl SceneBuffers {
-    pub(crate) fn new(device: &Device, scene: &CompiledScene) -> Result<Self, RenderError> {
-        Ok(Self {
-            info: device.upload("scene: info", &[scene.info])?,
-            nodes: device.upload("scene: nodes", &scene.nodes)?,
-            primitives: device.upload("scene: primitives", &scene.primitives)?,
-            materials: device.upload("scene: materials", &scene.materials)?,
-            lights: device.upload("scene: lights", &scene.lights)?,
-            targets: device.upload("scene: targets", &scene.targets)?,
-        })
-    }
-}
 
 /// Which photons a pass traces and stores.
 pub(crate) struct PassKind {
@@ -98,7 +77,7 @@ pub(crate) fn photon_map(
     kind: &PassKind,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<PhotonMap>, MapReport), RenderError> {
-    let (photons, mut report) = trace(device, buffers, settings.seed, kind, progress)?;
+    let (photons, mut report) = trace(device, scene, buffers, settings.seed, kind, progress)?;
     let Some(unsorted) = photons else { return Ok((None, report)) };
     let stored = u64::from(report.photons_stored);
     let (low, high) = scene.diffuse_bounds;
@@ -126,21 +105,27 @@ pub(crate) fn sample(device: &Device, photons: &Buffer, stored: u64) -> Result<V
 /// Traces the photons of a pass, in the order of their paths. There is no buffer if nothing was stored.
 pub(crate) fn trace(
     device: &Device,
+    scene: &CompiledScene,
     buffers: &SceneBuffers,
     seed: u32,
     kind: &PassKind,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<Buffer>, MapReport), RenderError> {
+    // Every light emits one photon at least.
+    let emitted = kind.emitted.max(scene.fewest_photons(kind.rays));
+    let lights = scene.lights_for(emitted, kind.rays);
+    let light_buffer = device.upload("lights of a pass", &lights)?;
+    let mut books = Books::new(lights.len());
     let mut report = MapReport {
         map: kind.map,
-        photons_emitted: kind.emitted,
+        photons_emitted: emitted,
         photons_stored: 0,
         segments: 0,
         paths_cut: 0,
+        ledger: Vec::new(),
         table_entries: 0,
         bytes: 0,
     };
-    let emitted = kind.emitted;
     let counts = device.scratch::<u32>("photon counts", u64::from(emitted))?;
     let total = 2 * u64::from(emitted);
     let mut tick = |done: u32, times: u64| {
@@ -148,10 +133,9 @@ pub(crate) fn trace(
         let goes_on = progress(Progress { phase: kind.phase, done, total });
         if goes_on { Ok(()) } else { Err(RenderError::Interrupted) }
     };
-    let SceneBuffers { info, nodes, primitives, materials, lights, targets } = buffers;
-
     let fates = device.scratch::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
     let segments = device.scratch::<u32>("photon segments", u64::from(emitted.min(CHUNK)))?;
+    let tallies = device.scratch::<Tally>("photon tallies", u64::from(emitted.min(CHUNK)))?;
     let mut landed = 0u64;
     let mut pace = Pace::new(device, FIRST_CHUNK, CHUNK, CHUNK);
     // The dispatches: stored photons are traced in the same ones.
@@ -167,14 +151,17 @@ pub(crate) fn trace(
         let params = device.upload("photon pass", &[pass])?;
         let mut plan = Plan::new();
         plan.scope(kind.map);
+        let outputs = [&counts, &fates, &segments, &tallies];
         plan.each(
-            Kernel::CountPhotons,
+            buffers.kernels.count,
             pass.paths,
-            &[&params, info, nodes, primitives, materials, lights, targets, &counts, &fates, &segments],
+            &[&[&params], &buffers.for_photons(&light_buffer)[..], &outputs].concat(),
         );
         let [_, _, block_fates] = scan(device, &mut plan, &fates, pass.paths)?;
         let [_, _, block_segments] = scan(device, &mut plan, &segments, pass.paths)?;
+        books.plan(device, &mut plan, &pass, &lights, &tallies)?;
         pace.run(|| device.run(&plan))?;
+        books.enter(device)?;
         let blocks = u64::from(pass.paths.div_ceil(SCAN_BLOCK));
         report.segments += device.read::<u32>(&block_segments, blocks)?.into_iter().map(u64::from).sum::<u64>();
         for fates in device.read::<u32>(&block_fates, blocks)? {
@@ -182,7 +169,8 @@ pub(crate) fn trace(
             report.paths_cut += fates / FATE_CUT;
         }
     }
-    drop((fates, segments));
+    drop((fates, segments, tallies));
+    report.ledger = books.ledgers();
     let mut plan = Plan::new();
     plan.scope(kind.map);
     let [offsets, block_offsets, block_totals] = scan(device, &mut plan, &counts, emitted)?;
@@ -216,22 +204,11 @@ pub(crate) fn trace(
         let params = device.upload("photon pass", &[*pass])?;
         let mut plan = Plan::new();
         plan.scope(kind.map);
+        let places = [&counts, &offsets, &block_offsets, &unsorted];
         plan.each(
-            Kernel::StorePhotons,
+            buffers.kernels.store,
             pass.paths,
-            &[
-                &params,
-                info,
-                nodes,
-                primitives,
-                materials,
-                lights,
-                targets,
-                &counts,
-                &offsets,
-                &block_offsets,
-                &unsorted,
-            ],
+            &[&[&params], &buffers.for_photons(&light_buffer)[..], &places].concat(),
         );
         device.run(&plan)?;
     }

@@ -29,7 +29,7 @@ pub(crate) fn find_radius(
     };
     let device = frame.device;
     let none = |reason: &str| RenderError::NoRadius { reason: reason.to_string() };
-    let (photons, report) = trace(device, frame.buffers, seed, &kind, progress)?;
+    let (photons, report) = trace(device, frame.compiled, frame.buffers, seed, &kind, progress)?;
     let photons = photons.ok_or_else(|| none("the photon map is empty"))?;
     let stored = u64::from(report.photons_stored);
 

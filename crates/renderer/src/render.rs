@@ -1,9 +1,9 @@
 //! The render: passes until there are enough, added up.
 
 use crate::accumulate::{ProgressState, pass_radius, pass_seed};
+use crate::buffers::SceneBuffers;
 use crate::frame::{Frame, Pass};
 use crate::output::Image;
-use crate::photons::SceneBuffers;
 use crate::radius::find_radius;
 use crate::report::{Progress, RenderReport};
 use crate::scene::Scene;
@@ -74,6 +74,7 @@ pub fn render_on(
     };
     let mut radius = radius_of(&state);
     let mut maps = Vec::new();
+    let mut problems = Vec::new();
     let mut partial = None;
     let mut stopped_by = reached(settings, &state, &clock);
     while stopped_by.is_none() {
@@ -88,6 +89,7 @@ pub fn render_on(
                 let emitted = pass.maps.iter().map(|map| u64::from(map.photons_emitted)).sum();
                 state.add(&pass.film, emitted);
                 maps = pass.maps;
+                problems.extend(pass.problems);
                 if state.passes == 1 {
                     notes.extend(pass.notes);
                 }
@@ -95,8 +97,9 @@ pub fn render_on(
                 stopped_by = reached(settings, &state, &clock);
             }
             // Of the first pass there are rows to show.
-            Ok(Pass { film, notes: more, maps: built, .. }) if state.passes == 0 => {
+            Ok(Pass { film, notes: more, maps: built, problems: doubts, .. }) if state.passes == 0 => {
                 check(device, &film)?;
+                problems.extend(doubts);
                 (maps, partial) = (built, Some(film));
                 notes.extend(more);
                 stopped_by = Some("interrupted");
@@ -117,6 +120,10 @@ pub fn render_on(
         let count = shown.not_finite;
         notes.push(format!("{count} camera samples were not finite and count as black: a radius or power is extreme"));
     }
+    // Each is a note as well, for those who do not ask for problems.
+    notes.extend(problems.iter().cloned());
+    let samples = [(shown.lost, "given up"), (shown.not_finite, "not finite")].into_iter();
+    problems.extend(samples.filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} camera samples were {what}")));
     let image = shown.image();
     let report = RenderReport {
         device: device.name(),
@@ -130,6 +137,7 @@ pub fn render_on(
         maps,
         camera_rays: shown.rays,
         notes,
+        problems,
         stages: device.stage_times(),
         buffers: device.buffer_bytes(),
         peak_bytes: device.total_bytes().1,

@@ -3,11 +3,12 @@
 use super::{Trouble, Units, Work, timed};
 use crate::digest::Digest;
 use crate::row::Sample;
-use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{PhotonPass, RAY_GLOBAL};
+use caustic_kernels::trace::{PhotonPass, RAY_GLOBAL, Tally};
 use caustic_photon_map::scan;
+use caustic_renderer::SceneBuffers;
 use caustic_renderer::scene::{CompiledScene, Scene};
 
 /// Paths of one dispatch: few enough for a GPU's watchdog, enough to fill it.
@@ -28,15 +29,13 @@ pub(super) struct Trace<'a> {
 impl<'a> Trace<'a> {
     pub(super) fn new(device: &'a Device, n: u32, scene: &str) -> Result<Self, Trouble> {
         let scene = Scene::load(scene).map_err(|error| Trouble::Fail(error.to_string()))?.compile();
-        let info = device.upload("scene: info", &[scene.info])?;
-        let nodes = device.upload("scene: nodes", &scene.nodes)?;
-        let primitives = device.upload("scene: primitives", &scene.primitives)?;
-        let materials = device.upload("scene: materials", &scene.materials)?;
-        let lights = device.upload("scene: lights", &scene.lights)?;
-        let targets = device.upload("scene: targets", &scene.targets)?;
+        let scene_buffers = SceneBuffers::new(device, &scene)?;
+        let kernels = scene_buffers.kernels;
         let counts = device.scratch::<u32>("photon counts", n.into())?;
         let fates = device.scratch::<u32>("photon fates", n.min(CHUNK).into())?;
         let segments = device.scratch::<u32>("photon segments", n.min(CHUNK).into())?;
+        let tallies = device.scratch::<Tally>("photon tallies", n.min(CHUNK).into())?;
+        let lights = device.upload("lights of a pass", &scene.lights_for(n, RAY_GLOBAL))?;
         let mut passes = Vec::new();
         for first in (0..n).step_by(CHUNK as usize) {
             let paths = CHUNK.min(n - first);
@@ -47,11 +46,12 @@ impl<'a> Trace<'a> {
         let mut walked = 0;
         plan.scope("count");
         for (paths, pass) in &passes {
-            let buffers = [pass, &info, &nodes, &primitives, &materials, &lights, &targets, &counts, &fates, &segments];
-            plan.each(Kernel::CountPhotons, *paths, &buffers);
+            let outputs = [&counts, &fates, &segments, &tallies];
+            let buffers = [&[pass], &scene_buffers.for_photons(&lights)[..], &outputs].concat();
+            plan.each(kernels.count, *paths, &buffers);
             // What a pass counts is overwritten by the next: summed here, once.
             let mut once = Plan::new();
-            once.each(Kernel::CountPhotons, *paths, &buffers);
+            once.each(kernels.count, *paths, &buffers);
             device.run(&once)?;
             let counted: Vec<u32> = device.read(&segments, u64::from(*paths))?;
             walked += counted.into_iter().map(u64::from).sum::<u64>();
@@ -65,9 +65,8 @@ impl<'a> Trace<'a> {
         let photons = device.scratch::<Photon>("photons", stored)?;
         plan.scope("store");
         for (paths, pass) in &passes {
-            let scene = [pass, &info, &nodes, &primitives, &materials, &lights, &targets];
-            let buffers: Vec<_> = scene.into_iter().chain([&counts, &offsets, &block_offsets, &photons]).collect();
-            plan.each(Kernel::StorePhotons, *paths, &buffers);
+            let places = [&counts, &offsets, &block_offsets, &photons];
+            plan.each(kernels.store, *paths, &[&[pass], &scene_buffers.for_photons(&lights)[..], &places].concat());
         }
         Ok(Self { device, scene, plan, photons, stored: stored as u32, segments: walked })
     }

@@ -108,7 +108,7 @@ pub(super) fn part_on(primitive: &Primitive, position: Vec3, radius2: f32, filte
         return if farthest2 < radius2 { filter_integral(filter, div(farthest2, radius2)) } else { whole };
     }
     let local = position - Vec3::from_array(primitive.position);
-    let (dual_u, dual_v) = (Vec3::from_array(primitive.duals[0]), Vec3::from_array(primitive.duals[1]));
+    let (dual_u, dual_v) = (Vec3::from_array(primitive.sides[0]), Vec3::from_array(primitive.sides[1]));
     let (u, v) = (dot(local, dual_u), dot(local, dual_v));
     // Squared distances to the nearer edges, over those of a whole edge.
     let rest_u = max(0.0, 0.5 - abs(u));
@@ -160,7 +160,7 @@ mod tests {
             kind: PRIMITIVE_QUAD,
             light: NO_LIGHT,
             normal: normal.normalize().to_array(),
-            duals: [(v.cross(normal) / square).to_array(), (normal.cross(u) / square).to_array()],
+            sides: [(v.cross(normal) / square).to_array(), (normal.cross(u) / square).to_array()],
             ..Primitive::default()
         }
     }
@@ -172,7 +172,7 @@ mod tests {
         let centre = u * at[0] + v * at[1];
         let (nu, nv) = (u.normalize(), u.cross(v).cross(u).normalize());
         let primitive = quad(u, v);
-        let duals = primitive.duals.map(Vec3::from_array);
+        let duals = primitive.sides.map(Vec3::from_array);
         for i in 0..STEPS {
             for j in 0..STEPS {
                 let [x, y] = [i, j].map(|i| (i as f32 + 0.5) * 2.0 / STEPS as f32 - 1.0);

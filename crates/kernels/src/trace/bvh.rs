@@ -2,7 +2,8 @@
 //!
 //! The tree lies in the buffer eight times, once for each octant of directions, depth first and nearer child first. A ray walks
 //! one of these lists from front to back and skips what its slabs miss: there is no stack, the index only grows, and the nearer
-//! of two children still comes first (Smits, "Efficiency Issues for Ray Tracing", JGT 1998, for skipping).
+//! of two children still comes first (Smits, "Efficiency Issues for Ray Tracing", JGT 1998, for skipping). A large scene has fewer
+//! lists, 4, 2 or 1, which the FULL kernels can walk: an octant then shares the list of another one.
 
 use crate::num::{abs, fsign, max, min};
 use bytemuck::{Pod, Zeroable};
@@ -56,9 +57,15 @@ impl Slabs {
     /// which a primitive would be hit.
     #[inline]
     #[must_use]
-    pub fn meet(self, node: &BvhNode, farthest: f32) -> bool {
-        let near = (Vec3::from_array(node.near) - self.origin) * self.inverse;
-        let far = (Vec3::from_array(node.far) - self.origin) * self.inverse;
+    pub fn meet<const FULL: bool>(self, node: &BvhNode, farthest: f32) -> bool {
+        let mut near = (Vec3::from_array(node.near) - self.origin) * self.inverse;
+        let mut far = (Vec3::from_array(node.far) - self.origin) * self.inverse;
+        if FULL {
+            // The list may be another octant's.
+            let swapped = near;
+            near = Vec3::new(min(near.x, far.x), min(near.y, far.y), min(near.z, far.z));
+            far = Vec3::new(max(swapped.x, far.x), max(swapped.y, far.y), max(swapped.z, far.z));
+        }
         // A NaN, which only an origin or a direction that is none can give, is passed over here: the primitives decide.
         max(near.x, max(near.y, max(near.z, 0.0))) <= min(far.x, min(far.y, min(far.z, farthest)))
     }
@@ -69,6 +76,13 @@ impl Slabs {
 #[inline]
 fn inverse(direction: f32) -> f32 {
     1.0 / if abs(direction) > STEEPEST { direction } else { fsign(direction) * STEEPEST }
+}
+
+/// The list of nodes for rays of a direction.
+#[inline]
+#[must_use]
+pub fn list_of<const FULL: bool>(direction: Vec3, lists: u32) -> u32 {
+    if FULL { octant(direction) & lists.wrapping_sub(1) } else { octant(direction) }
 }
 
 /// The octant of a direction: a bit for each axis along which it is negative.

@@ -1,11 +1,14 @@
 //! Final gather: indirect light at a point from what its hemisphere sees of the global map, so that no estimate is looked at directly
 //! (Jensen, "Realistic Image Synthesis Using Photon Mapping", 2001, section 9.2).
 
+use super::bsdf::entrance;
 use super::bvh::BvhNode;
 use super::camera::{Vertex, first_diffuse, pixel_sobol};
 use super::intersect::leave;
-use super::scene::{Light, Material, Primitive, SceneInfo};
-use super::vector::sample_cosine;
+use super::scene::{Light, Material, PRIMITIVE_SPHERE, Primitive, SceneInfo};
+use super::surface::Corners;
+use super::texture::{Texel, Texture};
+use super::vector::{dot, sample_cosine};
 use crate::exec::{Input, Store};
 use crate::gather::CUT_SHORT;
 use crate::layout::{Irradiance, Query};
@@ -44,6 +47,9 @@ pub fn trace_gather<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     primitives: &Input<Primitive>,
     materials: &Input<Material>,
     lights: &Input<Light>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     queries: &Input<Query>,
     vertices: &Input<Vertex>,
     gather_queries: &mut Q,
@@ -63,9 +69,22 @@ pub fn trace_gather<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
         let number = (sample % tile.samples) * tile.rays + i % tile.rays;
         let at = pixel_sobol(pixel, number, tile.seed, KEY);
         let direction = sample_cosine(normal, at[0], at[1]);
-        let origin = leave(Vec3::from_array(query.position), normal, &primitives[vertex.primitive as usize]);
-        let rng = Rng { seed: tile.seed, stream: STREAM ^ (number << 8), index: pixel };
-        (found, seen) = first_diffuse(rng, origin, direction, info, nodes, primitives, materials, lights);
+        let primitive = primitives[vertex.primitive as usize];
+        // The side that is seen, of the surface as it is: a shading normal may send rays through it.
+        let mut side = normal;
+        if primitive.kind != PRIMITIVE_SPHERE {
+            side = Vec3::from_array(primitive.normal);
+            side = if dot(side, normal) < 0.0 { -side } else { side };
+        }
+        if dot(direction, side) > 0.0 {
+            let origin = leave(Vec3::from_array(query.position), side, &primitive);
+            let rng = Rng { seed: tile.seed, stream: STREAM ^ (number << 8), index: pixel };
+            (found, seen) = first_diffuse::<true>(
+                rng, origin, direction, info, nodes, primitives, materials, lights, corners, textures, texels,
+            );
+            let enters = entrance(&materials[primitive.material as usize], dot(direction, normal));
+            seen.weight = (Vec3::from_array(seen.weight) * enters).to_array();
+        }
     }
     gather_queries.set(i, found);
     gather_vertices.set(i, seen);

@@ -5,15 +5,18 @@
 //! Russian roulette.
 
 use super::MAX_BOUNCES;
+use super::bsdf::{evaluate, sample};
 use super::bvh::BvhNode;
-use super::camera::{Camera, CameraTile, Vertex, film_direction};
-use super::emission::{choose_light, light_point};
-use super::intersect::{LOST, MISS, closest_hit, leave, occluded, surface_at};
-use super::material::scatter_specular;
-use super::scene::{LIGHT_AREA, Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
-use super::vector::{dot, sample_cosine};
+use super::camera::{Camera, CameraTile, Vertex, eye_ray};
+use super::intersect::{BLOCKED, LOST, MISS, closest_hit, leave, occluded};
+use super::light::{choose_light, is_surface, look, look_density, power_heuristic};
+use super::medium::{VACUUM, leaks, medium_after, medium_before, seen_from_outside, transmittance};
+use super::scene::{Light, Material, NO_LIGHT, Primitive, SceneInfo};
+use super::surface::{Corners, Surface, material_at, surface_at};
+use super::texture::{Texel, Texture};
+use super::vector::dot;
 use crate::exec::{Input, Store};
-use crate::num::{Rng, div, max, sqrt};
+use crate::num::{Rng, div, max};
 use glam::Vec3;
 
 /// Stream of these paths' random numbers.
@@ -22,60 +25,11 @@ const STREAM: u32 = 3;
 const SURE_BOUNCES: u32 = 4;
 /// Least chance of going on: a path that is worth little is made worth no more than twenty times that.
 const LEAST_CHANCE: f32 = 0.05;
-const INVERSE_PI: f32 = core::f32::consts::FRAC_1_PI;
+/// A throughput below which a path has ended: a product of it is no longer a normal float.
+const NOTHING: f32 = 1e-30;
 
-/// A direction drawn at a surface.
-struct Drawn {
-    direction: Vec3,
-    side: Vec3,
-    weight: Vec3,
-    /// Density, sr⁻¹; 0 of a delta lobe.
-    pdf: f32,
-}
-
-#[inline]
-fn sample(material: &Material, d: Vec3, n: Vec3, u: [f32; 3]) -> Drawn {
-    if material.kind == MATERIAL_LAMBERTIAN {
-        let side = if dot(d, n) > 0.0 { -n } else { n };
-        let direction = sample_cosine(side, u[0], u[1]);
-        let pdf = max(0.0, dot(direction, side)) * INVERSE_PI;
-        return Drawn { direction, side, weight: Vec3::from_array(material.reflectance), pdf };
-    }
-    let scattered = scatter_specular(material, d, n, u[2]);
-    Drawn { direction: scattered.direction, side: scattered.side, weight: scattered.weight, pdf: 0.0 }
-}
-
-/// f·|cos θ| towards `out`, and the density with which it is drawn.
-#[inline]
-fn evaluate(material: &Material, d: Vec3, out: Vec3, n: Vec3) -> (Vec3, f32) {
-    let side = if dot(d, n) > 0.0 { -n } else { n };
-    let cos = dot(out, side);
-    if material.kind == MATERIAL_LAMBERTIAN && cos > 0.0 {
-        (Vec3::from_array(material.reflectance) * (cos * INVERSE_PI), cos * INVERSE_PI)
-    } else {
-        (Vec3::ZERO, 0.0)
-    }
-}
-
-/// 1 over the density, sr⁻¹, with which the light's point in direction `direction` and at the squared distance `distance2` is
-/// sampled; 0 if it does not shine here.
-#[inline]
-fn inverse_density(light: &Light, direction: Vec3, distance2: f32) -> f32 {
-    let chance = distance2 * light.probability;
-    if light.kind != LIGHT_AREA {
-        return div(1.0, chance);
-    }
-    let cos = -dot(Vec3::from_array(light.normal), direction);
-    if cos > 0.0 { div(cos * light.area, chance) } else { 0.0 }
-}
-
-/// The power heuristic's weight of a sample, from the ratio of the other technique's density to its own.
-#[inline]
-fn heuristic(ratio: f32) -> f32 {
-    div(1.0, 1.0 + ratio * ratio)
-}
-
-/// Radiance along sample `i` of the tile, in [`Vertex::emitted`]; the rest of the vertex is that of the first surface.
+/// Radiance along sample `i` of the tile, in [`Vertex::emitted`]; of the rest of the vertex, the primitive is the first that was met,
+/// or [`LOST`] if any ray of the path was.
 #[inline]
 pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     i: u32,
@@ -86,6 +40,9 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     primitives: &Input<Primitive>,
     materials: &Input<Material>,
     lights: &Input<Light>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     vertices: &mut V,
 ) {
     if i >= tile.pixels * tile.samples {
@@ -94,66 +51,65 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     let pixel = tile.first_pixel + i / tile.samples;
     let index = i % tile.samples;
     let rng = Rng { seed: tile.seed, stream: STREAM ^ (index << 8), index: pixel };
-    let mut origin = Vec3::from_array(camera.origin);
-    let mut direction = film_direction(pixel, index, tile.seed, camera);
+    let (mut origin, mut direction) = eye_ray::<true>(camera, pixel, index, tile.seed);
     let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
     let mut radiance = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
+    let mut medium = VACUUM;
     // Density with which the direction was drawn; 0 where no light was sampled for it.
-    let mut pdf = 0.0;
+    let mut density = 0.0;
     let mut bounce = 0;
     let mut going = true;
     let mut lost = false;
     while going {
         vertex.rays += 1;
-        let hit = closest_hit(origin, direction, info, nodes, primitives);
+        let hit = closest_hit::<true>(origin, direction, info, nodes, primitives);
         if bounce == 0 {
             vertex.primitive = hit.primitive;
         }
         if hit.primitive == MISS || hit.primitive == LOST {
-            lost = hit.primitive == LOST;
+            lost = lost || hit.primitive == LOST;
             break;
         }
         let primitive = primitives[hit.primitive as usize];
-        let material = materials[primitive.material as usize];
-        let (point, normal) = surface_at(origin, direction, hit.t, &primitive);
-        if primitive.light != NO_LIGHT && dot(direction, normal) < 0.0 {
+        let surface = surface_at::<true>(origin, direction, hit, info, &primitive, corners);
+        let material = material_at::<true>(primitive.material, surface.uv, materials, textures, texels);
+        let cos = dot(direction, surface.normal);
+        medium = medium_before(medium, &material, primitive.material, cos);
+        throughput *= through(medium, hit.t, materials);
+        if primitive.light != NO_LIGHT && cos < 0.0 {
             let light = lights[primitive.light as usize];
-            let other = pdf * inverse_density(&light, direction, hit.t * hit.t);
-            let share = if pdf == 0.0 { 1.0 } else { heuristic(div(1.0, other)) };
-            radiance += throughput * Vec3::from_array(light.emission) * share;
+            let mut share = 1.0;
+            if density > 0.0 {
+                share = power_heuristic(density, look_density(&light, origin, direction, hit.t));
+            }
+            radiance += throughput * Vec3::from_array(light.emission) * (share * outside(medium, materials));
         }
 
         let draw = rng.draw4(2 * bounce);
-        if material.kind == MATERIAL_LAMBERTIAN && info.lights > 0 {
-            let side = if dot(direction, normal) > 0.0 { -normal } else { normal };
-            let light = lights[choose_light(draw[0], info, lights) as usize];
-            let from = leave(point, side, &primitive);
-            let to_light = light_point(&light, draw[1], draw[2]) - from;
-            let distance2 = dot(to_light, to_light);
-            let distance = sqrt(distance2);
-            if distance > 0.0 {
-                let out = to_light * div(1.0, distance);
-                let (value, other) = evaluate(&material, direction, out, normal);
-                let inverse = inverse_density(&light, out, distance2);
-                if inverse > 0.0 && max(value.x, max(value.y, value.z)) > 0.0 {
-                    let blocker = occluded(from, out, distance, light.primitive, info, nodes, primitives);
-                    vertex.rays += 1;
-                    lost = lost || blocker == LOST;
-                    if blocker == MISS {
-                        let share = if light.kind == LIGHT_AREA { heuristic(other * inverse) } else { 1.0 };
-                        radiance += throughput * value * Vec3::from_array(light.emission) * (inverse * share);
-                    }
-                }
-            }
+        if info.lights > 0 {
+            let place = [draw[0], draw[1], draw[2]];
+            let index = primitive.material;
+            let lit = next_event(
+                direction, cos, &surface, &primitive, index, &material, medium, place, info, nodes, primitives,
+                materials, lights,
+            );
+            radiance += throughput * lit.0;
+            vertex.rays += lit.1;
+            lost = lost || lit.2;
         }
 
         let turn = rng.draw4(2 * bounce + 1);
-        let drawn = sample(&material, direction, normal, [turn[0], turn[1], turn[2]]);
-        throughput *= drawn.weight;
-        pdf = drawn.pdf;
-        direction = drawn.direction;
-        origin = leave(point, drawn.side, &primitive);
+        let scattered = sample(&material, direction, surface.shading, [turn[0], turn[1], turn[2]]);
+        throughput *= scattered.weight;
+        density = scattered.pdf;
+        direction = scattered.direction;
+        let side = surface.side(scattered.side, direction);
+        if leaks(&material, &surface, cos, side) {
+            throughput = Vec3::ZERO;
+        }
+        medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+        origin = leave(surface.position, side, &primitive);
         let brightest = max(throughput.x, max(throughput.y, throughput.z));
         bounce += 1;
         if bounce >= SURE_BOUNCES && brightest < 1.0 {
@@ -161,7 +117,7 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
             going = turn[3] < chance;
             throughput *= div(1.0, chance);
         }
-        going = going && brightest > 0.0;
+        going = going && brightest >= NOTHING;
         if going && bounce == MAX_BOUNCES {
             lost = true;
             going = false;
@@ -172,4 +128,64 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     }
     vertex.emitted = radiance.to_array();
     vertices.set(i, vertex);
+}
+
+/// What a surface sends back along a ray of one place of one light, by a shadow ray, beside paths that meet it: radiance for the path's
+/// throughput, the number of rays, and whether one was lost.
+#[inline]
+fn next_event(
+    direction: Vec3,
+    cos: f32,
+    surface: &Surface,
+    primitive: &Primitive,
+    index: u32,
+    material: &Material,
+    medium: u32,
+    place: [f32; 3],
+    info: &SceneInfo,
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    lights: &Input<Light>,
+) -> (Vec3, u32, bool) {
+    let nothing = (Vec3::ZERO, 0, false);
+    let light = lights[choose_light(place[0], info, lights) as usize];
+    let glimpse = look::<true>(&light, surface.position, place[1], place[2]);
+    if glimpse.distance <= 0.0 {
+        return nothing;
+    }
+    let out = glimpse.direction;
+    let (value, pdf) = evaluate(material, direction, out, surface.shading);
+    let geometry = glimpse.geometry(1.0, light.probability);
+    let mut radiance = value * glimpse.emission * geometry;
+    if radiance.x + radiance.y + radiance.z <= 0.0 {
+        return nothing;
+    }
+    // The sampler's side by the shading normal has to be the side by the surface itself, or light would leak through.
+    let by_surface = dot(out, surface.normal) > 0.0;
+    if by_surface != (dot(out, surface.shading) > 0.0) {
+        return nothing;
+    }
+    if is_surface(&light) {
+        radiance *= power_heuristic(div(1.0, geometry), pdf);
+    }
+    let side = if by_surface { surface.normal } else { -surface.normal };
+    // The light is in the medium that the shadow ray is in.
+    let medium = medium_after(medium, material, index, cos, surface.normal, side);
+    radiance *= through(medium, glimpse.distance, materials) * outside(medium, materials);
+    let origin = leave(surface.position, side, primitive);
+    let blocker = occluded::<true>(origin, out, glimpse.distance, light.primitive, info, nodes, primitives);
+    if blocker == BLOCKED { (Vec3::ZERO, 1, false) } else { (radiance, 1, blocker == LOST) }
+}
+
+/// Share of the light that is left after some way through a medium.
+#[inline]
+fn through(medium: u32, distance: f32, materials: &Input<Material>) -> Vec3 {
+    if medium == VACUUM { Vec3::ONE } else { transmittance(&materials[medium as usize], distance) }
+}
+
+/// What radiance inside of a medium is multiplied with where it is seen from outside.
+#[inline]
+fn outside(medium: u32, materials: &Input<Material>) -> f32 {
+    if medium == VACUUM { 1.0 } else { seen_from_outside(&materials[medium as usize]) }
 }

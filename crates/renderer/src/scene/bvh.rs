@@ -6,7 +6,9 @@
 //! not of the scene, and are larger than the primitives by bounds of these roundings. Lengths are in m; u = 2⁻²⁴ is the
 //! unit roundoff, and R the scene's reach, the largest coordinate of anything in it, where rays start included.
 
-use caustic_kernels::trace::{BvhNode, INNER, LEAF_BITS, OCTANTS, PRIMITIVE_SPHERE, Primitive};
+use caustic_kernels::trace::{
+    BvhNode, INNER, LEAF_BITS, OCTANTS, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, corners_of,
+};
 use glam::{DMat3, DVec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -26,15 +28,37 @@ const U: f64 = 1.0 / (1 << 24) as f64;
 /// of the product, 7 u of at most 2 R together, and for directions that it takes for steeper than they are.
 const SLABS: f64 = 32.0 * U;
 
-/// The nodes of a scene: a list for each octant of directions, one after another.
-pub(super) fn nodes(primitives: &[Primitive], reach: f64) -> Vec<BvhNode> {
+/// Most bytes of nodes, while there is more than one list.
+const LISTS_BYTES: usize = 64 << 20;
+
+/// The nodes of a scene.
+pub(super) struct Lists {
+    /// Lists of equal length, one after another.
+    pub nodes: Vec<BvhNode>,
+    /// How many: one for each octant of directions, or fewer for a large scene.
+    pub lists: u32,
+}
+
+/// The nodes of a scene. Octants that share a list walk it in the order of the one that has the list's number: some find the farther
+/// child first, and what is near a little later.
+pub(super) fn nodes(primitives: &[Primitive], reach: f64) -> Lists {
     let boxes: Vec<Bounds> = primitives.iter().map(|primitive| bounds(primitive, reach)).collect();
     let tree = Tree::new(&boxes);
-    (0..OCTANTS).flat_map(|octant| tree.flattened(octant)).collect()
+    let mut lists = OCTANTS;
+    while lists > 1 && lists as usize * tree.0.len() * size_of::<BvhNode>() > LISTS_BYTES {
+        lists /= 2;
+    }
+    Lists { nodes: (0..lists).flat_map(|octant| tree.flattened(octant)).collect(), lists }
 }
 
 /// A box around all points that the kernels take for points of a primitive.
 fn bounds(primitive: &Primitive, reach: f64) -> Bounds {
+    if primitive.kind == PRIMITIVE_TRIANGLE {
+        let [a, b, c] = corners_of(primitive).map(|corner| corner.as_dvec3());
+        // A ray that is taken to meet the triangle passes it within 17 u R, from the roundings of the corners in its frame; where it is in
+        // the box is known to 70 u R (`trace::triangle`).
+        return outwards(a.min(b).min(c), a.max(b).max(c), reach * (96.0 * U + SLABS));
+    }
     let centre = vector(primitive.position);
     let half = if primitive.kind == PRIMITIVE_SPHERE {
         let radius = f64::from(primitive.size);
@@ -44,22 +68,22 @@ fn bounds(primitive: &Primitive, reach: f64) -> Bounds {
     } else {
         quad(primitive, centre, reach)
     };
-    let outwards = |v: DVec3, up: bool| {
-        v.to_array().map(|x| {
-            let rounded = x as f32;
-            if up { rounded.next_up() } else { rounded.next_down() }
-        })
-    };
-    (outwards(centre - half, false), outwards(centre + half, true))
+    outwards(centre - half, centre + half, 0.0)
 }
 
-/// Half the sides of a quad's box.
+/// A box and `margin` around it, rounded outwards.
+fn outwards(low: DVec3, high: DVec3, margin: f64) -> Bounds {
+    let low = (low - margin).to_array().map(|x| (x as f32).next_down());
+    (low, (high + margin).to_array().map(|x| (x as f32).next_up()))
+}
+
+/// Half the sides of a quad's box, or that of the quad around a disc.
 ///
 /// A hit is a point p of which `intersect` found |a·p| ≤ ½ + size for each of the duals a, and which lies in the plane but for the
 /// rounding of t. With the normal as third row the duals are a matrix, and its inverse takes these three bounds to bounds of the
 /// coordinates.
 fn quad(primitive: &Primitive, centre: DVec3, reach: f64) -> DVec3 {
-    let duals = primitive.duals.map(vector);
+    let duals = primitive.sides.map(vector);
     let edges = DMat3::from_cols(duals[0], duals[1], vector(primitive.normal)).transpose().inverse();
     let edge = (0.5 + f64::from(primitive.size)) * (1.0 + 4.0 * U);
     // Three roundings of a product a·p, each of at most |a|·|p|; quads of almost parallel edges, of which the quotient is large, have

@@ -1,5 +1,6 @@
 //! What a scene holds once it is checked: everything in f64, as it was given.
 
+use caustic_kernels::trace::{Corners, Texel, Texture};
 use glam::DVec3;
 
 /// Everything but names and settings.
@@ -8,9 +9,15 @@ pub(super) struct Content {
     pub camera: Viewpoint,
     /// In the order of their names; the black of lights without a material, if there are such, is last.
     pub materials: Vec<Substance>,
-    /// Quads, then spheres, each in the file's order.
+    /// Quads, then spheres, discs and triangles, each in the file's order; those that have corners last, in the order of these.
     pub surfaces: Vec<Surface>,
+    /// Normals and texture coordinates of triangles.
+    pub corners: Vec<Corners>,
+    /// Pictures.
+    pub textures: Vec<Texture>,
+    pub texels: Vec<Texel>,
     pub points: Vec<PointLight>,
+    pub suns: Vec<Sun>,
 }
 
 /// Bounds of nothing.
@@ -29,8 +36,9 @@ impl Content {
         let origin = DVec3::new(along(low.x, high.x), along(low.y, high.y), along(low.z, high.z));
         for surface in &mut self.surfaces {
             match &mut surface.shape {
-                Shape::Quad { corner, .. } => *corner -= origin,
+                Shape::Quad { corner, .. } | Shape::Disc { corner, .. } => *corner -= origin,
                 Shape::Sphere { centre, .. } => *centre -= origin,
+                Shape::Triangle { corners } => corners.iter_mut().for_each(|corner| *corner -= origin),
             }
         }
         for point in &mut self.points {
@@ -59,6 +67,10 @@ pub(super) struct Viewpoint {
     /// Of any length, not along the view.
     pub up: DVec3,
     pub vertical_fov_degrees: f64,
+    /// Radius of the lens, m; 0 of a pinhole.
+    pub lens_radius: f64,
+    /// Distance of the plane that is in focus, m.
+    pub focus: f64,
 }
 
 /// What a surface does with light.
@@ -68,8 +80,50 @@ pub(super) enum Substance {
     Lambertian(DVec3),
     /// Reflectances of red, green and blue.
     Mirror(DVec3),
+    /// What is within its surface.
+    Dielectric(Glass),
+    /// A coat over a base.
+    Layered(Layers),
+}
+
+impl Substance {
+    /// Whether it reflects or refracts light in other than diffuse ways, so that caustics may come of it.
+    pub fn is_specular(&self) -> bool {
+        !matches!(self, Self::Lambertian(_))
+    }
+
+    /// Whether it has a diffuse part, black ones too.
+    pub fn is_diffuse(&self) -> bool {
+        match self {
+            Self::Lambertian(_) => true,
+            Self::Layered(layers) => layers.metallic < 1.0,
+            Self::Mirror(_) | Self::Dielectric(_) => false,
+        }
+    }
+}
+
+/// A dielectric.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Glass {
     /// Index of refraction.
-    Dielectric(f64),
+    pub ior: f64,
+    /// GGX α.
+    pub alpha: f64,
+    /// Absorption coefficients inside, m⁻¹.
+    pub absorption: DVec3,
+}
+
+/// Metal, plastic, or what glTF has between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layers {
+    /// Base colour: what the metal reflects head on, or the reflectance of what is under the coat.
+    pub base: DVec3,
+    /// Share of metal.
+    pub metallic: f64,
+    /// Index of refraction of the coat.
+    pub ior: f64,
+    /// GGX α of the coat.
+    pub alpha: f64,
 }
 
 /// A surface.
@@ -78,8 +132,12 @@ pub(super) struct Surface {
     pub shape: Shape,
     /// Index of its material.
     pub material: usize,
-    /// What a quad's front emits, W·sr⁻¹·m⁻².
+    /// What the front or the outside emits, W·sr⁻¹·m⁻².
     pub radiance: Option<DVec3>,
+    /// What it is a part of: the triangles of a mesh are one object.
+    pub object: u32,
+    /// Whether it has [`Corners`].
+    pub has_corners: bool,
 }
 
 impl Surface {
@@ -87,7 +145,9 @@ impl Surface {
     pub fn bounds(&self) -> (DVec3, DVec3) {
         match self.shape {
             Shape::Sphere { centre, radius } => (centre - radius, centre + radius),
-            Shape::Quad { corner, edge_u, edge_v } => {
+            Shape::Triangle { corners: [a, b, c] } => (a.min(b).min(c), a.max(b).max(c)),
+            // A disc's is the box of its square.
+            Shape::Quad { corner, edge_u, edge_v } | Shape::Disc { corner, edge_u, edge_v } => {
                 let opposite = corner + edge_u + edge_v;
                 let (u, v) = (corner + edge_u, corner + edge_v);
                 (corner.min(opposite).min(u).min(v), corner.max(opposite).max(u).max(v))
@@ -99,8 +159,25 @@ impl Surface {
 /// A surface's shape; lengths in m.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
-    Quad { corner: DVec3, edge_u: DVec3, edge_v: DVec3 },
-    Sphere { centre: DVec3, radius: f64 },
+    Quad {
+        corner: DVec3,
+        edge_u: DVec3,
+        edge_v: DVec3,
+    },
+    Sphere {
+        centre: DVec3,
+        radius: f64,
+    },
+    /// Inscribed in the square that these edges span.
+    Disc {
+        corner: DVec3,
+        edge_u: DVec3,
+        edge_v: DVec3,
+    },
+    /// Counter-clockwise as its front is seen.
+    Triangle {
+        corners: [DVec3; 3],
+    },
 }
 
 /// A light that is a point.
@@ -108,6 +185,28 @@ pub(super) enum Shape {
 pub(super) struct PointLight {
     /// m.
     pub position: DVec3,
-    /// W·sr⁻¹.
+    /// W·sr⁻¹; of a spot, on its axis.
     pub intensity: DVec3,
+    /// The cone of a spot.
+    pub spot: Option<Spot>,
+}
+
+/// The cone within which a spot shines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    /// Unit vector.
+    pub axis: DVec3,
+    /// 1 − cos of the angle from the axis up to which it has its full intensity.
+    pub inner: f64,
+    /// 1 − cos of the angle from which on it is dark.
+    pub outer: f64,
+}
+
+/// Light from infinitely far away.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sun {
+    /// Unit vector: the way it travels.
+    pub direction: DVec3,
+    /// Irradiance on what faces it, W·m⁻².
+    pub irradiance: DVec3,
 }

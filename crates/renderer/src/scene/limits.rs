@@ -2,8 +2,9 @@
 
 /// Most bytes of a scene file.
 pub const MAX_FILE_BYTES: u64 = 16 << 20;
-/// Most surfaces a scene may have: so few that their tree takes 32 MiB at the most.
-pub const MAX_SURFACES: usize = 65_536;
+/// Most surfaces a scene may have, triangles included: their records and their tree take 512 MiB then, and the normals and texture
+/// coordinates of triangles 144 MiB.
+pub const MAX_SURFACES: usize = 1 << 22;
 /// Most lights a scene may have, so that the weakest is still drawn now and then.
 pub const MAX_LIGHTS: usize = 4096;
 /// Most pixels along one side of a picture.

@@ -1,10 +1,11 @@
 //! Checks of `[materials]`, `[[quads]]` and `[[spheres]]`.
 
-use super::check::{LARGEST, PARALLEL, SHORTEST, emission, number, triple, vector};
+use super::check::{LARGEST, PARALLEL, SHORTEST, emission, number, vector};
 use super::content::{Shape, Substance, Surface};
 use super::document::{Document, Path};
 use super::error::SceneError;
-use super::file::{MaterialKind, MaterialTable, QuadTable, SphereTable};
+use super::file::{MaterialTable, Numbers, QuadTable, SphereTable};
+use super::substances::material;
 use super::text::{nearest, one_line};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -59,37 +60,6 @@ impl<'a> Palette<'a> {
     }
 }
 
-fn material(document: &Document<'_>, path: &Path, table: &MaterialTable) -> Result<Substance, SceneError> {
-    let unused = |key: &str, kind: &str, instead: &str| {
-        Err(document.field_error(&path.key(key), format!("means nothing for a {kind}; {instead}")))
-    };
-    if table.kind == MaterialKind::Dielectric {
-        if table.reflectance.is_some() {
-            return unused("reflectance", "dielectric", "remove it: how much glass reflects follows from `ior`");
-        }
-        let Some(ior) = table.ior else {
-            return Err(
-                document.field_error(path, "is a dielectric and lacks the field `ior`; add `ior = 1.5` for glass")
-            );
-        };
-        let what = "an index of refraction";
-        return Ok(Substance::Dielectric(number(document, &path.key("ior"), ior, (0.1, 10.0), what)?));
-    }
-    if table.ior.is_some() {
-        return unused("ior", "lambertian or mirror", "remove it, or use `kind = \"dielectric\"`");
-    }
-    let Some(reflectance) = table.reflectance else {
-        return Err(document
-            .field_error(path, "lacks the field `reflectance`; add `reflectance = [r, g, b]`, each from 0 to 1"));
-    };
-    let what = "a reflectance, the share of the light that comes back,";
-    let reflectance = triple(document, &path.key("reflectance"), reflectance, (0.0, 1.0), what)?;
-    Ok(match table.kind {
-        MaterialKind::Mirror => Substance::Mirror(reflectance),
-        _ => Substance::Lambertian(reflectance),
-    })
-}
-
 /// Checks a quad.
 pub(super) fn quad(
     document: &Document<'_>,
@@ -113,11 +83,23 @@ pub(super) fn quad(
         let problem = "is parallel to `edge_u`, so the quad has no area; give two edges at an angle";
         return Err(document.field_error(&path.key("edge_v"), problem));
     }
-    let radiance = match table.radiance {
+    let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
+    Ok(Surface { shape: Shape::Quad { corner, edge_u, edge_v }, material, radiance, object: 0, has_corners: false })
+}
+
+/// The material and the radiance of a surface, of which it needs one at least.
+fn look(
+    document: &Document<'_>,
+    path: &Path,
+    material: Option<&String>,
+    radiance: Option<Numbers<3>>,
+    palette: &mut Palette<'_>,
+) -> Result<(usize, Option<DVec3>), SceneError> {
+    let radiance = match radiance {
         Some(radiance) => Some(emission(document, &path.key("radiance"), radiance, "a radiance (W/sr/m²)")?),
         None => None,
     };
-    let material = match (&table.material, radiance) {
+    let material = match (material, radiance) {
         (Some(name), _) => palette.find(document, &path.key("material"), name)?,
         (None, Some(_)) => palette.black(),
         (None, None) => {
@@ -125,12 +107,11 @@ pub(super) fn quad(
             return Err(document.field_error(path, problem));
         }
     };
-    if radiance.is_some() && !matches!(palette.materials[material], Substance::Lambertian(_)) {
-        let problem =
-            "is a mirror or dielectric, but a quad that emits must be lambertian; choose another or remove `radiance`";
+    if radiance.is_some() && !matches!(palette.materials[material], Substance::Lambertian(_) | Substance::Layered(_)) {
+        let problem = "is a mirror or dielectric, but what emits must not be; choose another or remove `radiance`";
         return Err(document.field_error(&path.key("material"), problem));
     }
-    Ok(Surface { shape: Shape::Quad { corner, edge_u, edge_v }, material, radiance })
+    Ok((material, radiance))
 }
 
 /// Checks a sphere.
@@ -138,10 +119,10 @@ pub(super) fn sphere(
     document: &Document<'_>,
     path: &Path,
     table: &SphereTable,
-    palette: &Palette<'_>,
+    palette: &mut Palette<'_>,
 ) -> Result<Surface, SceneError> {
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
-    let material = palette.find(document, &path.key("material"), &table.material)?;
-    Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance: None })
+    let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
+    Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance, object: 0, has_corners: false })
 }

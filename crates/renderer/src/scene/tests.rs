@@ -65,7 +65,7 @@ fn duals_give_coordinates_along_skew_edges() {
     let scene = Scene::parse("skew.toml", text).unwrap().compile();
     let quad = scene.primitives[0];
     let (u, v) = (Vec3::new(3.0, 0.5, -1.0), Vec3::new(1.0, 2.0, 0.25));
-    let [du, dv] = quad.duals.map(Vec3::from_array);
+    let [du, dv] = quad.sides.map(Vec3::from_array);
     let n = Vec3::from_array(quad.normal);
     for (product, value) in [
         (du.dot(u), 1.0),
@@ -261,7 +261,7 @@ fn no_text_makes_it_panic() {
                 let compiled = scene.compile();
                 let numbers: &[f32] = bytemuck::cast_slice(&compiled.targets);
                 assert!(numbers.iter().all(|number| number.is_finite()));
-                assert!(compiled.primitives.iter().flat_map(|p| p.duals).flatten().all(f32::is_finite));
+                assert!(compiled.primitives.iter().flat_map(|p| p.sides).flatten().all(f32::is_finite));
                 assert!(compiled.lights.iter().all(|light| light.area.is_finite() && light.probability > 0.0));
                 assert!(scene.camera(65_536, 1).corner.iter().all(|number| number.is_finite()));
             }

@@ -1,11 +1,11 @@
 //! From the fields of a file to a scene that can be rendered, or to the first thing that is wrong.
 
 use super::RenderDefaults;
-use super::check::{emission, vector};
-use super::content::{Content, PointLight, Shape, Substance};
+use super::content::{Content, Shape, Substance};
 use super::document::{Document, Path};
 use super::error::SceneError;
 use super::file::SceneFile;
+use super::lamps::{Lamp, lamp};
 use super::limits::{MAX_LIGHTS, MAX_SURFACES};
 use super::surfaces::{Palette, quad, sphere};
 use super::view::{camera, render};
@@ -27,17 +27,26 @@ pub(super) fn validate(document: &Document<'_>, file: &SceneFile) -> Result<(Ren
     }
     for (i, table) in file.spheres.iter().enumerate() {
         let path = named(&top.key("spheres").index(i), table.name.as_ref());
-        surfaces.push(sphere(document, &path, table, &palette)?);
+        surfaces.push(sphere(document, &path, table, &mut palette)?);
     }
-    let mut points = Vec::new();
+    let (mut points, mut suns) = (Vec::new(), Vec::new());
     for (i, table) in file.lights.iter().enumerate() {
         let path = named(&top.key("lights").index(i), table.name.as_ref());
-        points.push(PointLight {
-            position: vector(document, &path.key("position"), table.position)?,
-            intensity: emission(document, &path.key("intensity"), table.intensity, "an intensity (W/sr)")?,
-        });
+        match lamp(document, &path, table)? {
+            Lamp::Point(point) => points.push(point),
+            Lamp::Sun(sun) => suns.push(sun),
+        }
     }
-    let content = Content { camera, materials: palette.materials, surfaces, points };
+    let content = Content {
+        camera,
+        materials: palette.materials,
+        surfaces,
+        corners: Vec::new(),
+        textures: Vec::new(),
+        texels: Vec::new(),
+        points,
+        suns,
+    };
     whole_scene(document, &content)?;
     Ok((defaults, content.localised()))
 }
@@ -60,7 +69,9 @@ fn whole_scene(document: &Document<'_>, content: &Content) -> Result<(), SceneEr
     if surfaces > MAX_SURFACES {
         return error(format!("has {surfaces} surfaces, but may have {MAX_SURFACES} at most; remove some"));
     }
-    let lights = content.points.len() + content.surfaces.iter().filter(|surface| surface.radiance.is_some()).count();
+    let lights = content.points.len()
+        + content.suns.len()
+        + content.surfaces.iter().filter(|surface| surface.radiance.is_some()).count();
     if lights == 0 {
         return error("has no light, so it would be black; give a quad a `radiance` or add [[lights]]".to_string());
     }
@@ -87,6 +98,6 @@ fn inside_glass(content: &Content, point: DVec3) -> bool {
         Shape::Sphere { centre, radius } => {
             matches!(content.materials[surface.material], Substance::Dielectric(_)) && point.distance(centre) < radius
         }
-        Shape::Quad { .. } => false,
+        Shape::Quad { .. } | Shape::Disc { .. } | Shape::Triangle { .. } => false,
     })
 }
