@@ -1,37 +1,58 @@
 //! `caustic render`.
 
 use crate::Failure;
-use crate::args::RenderArguments;
+use crate::args::{RenderArguments, layers};
 use crate::progress::Monitor;
 use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
-use caustic_renderer::output::{self, Metadata};
+use caustic_renderer::output::{self, DENOISER_LAYERS, Extras, Format, LayerKind, Metadata, OutputError, can_denoise};
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{RenderError, RenderReport, Settings, render};
+use caustic_renderer::{PhotonFile, RenderError, RenderReport, Settings, render_with};
 use std::path::Path;
 
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     output::check_path(&arguments.output).map_err(Failure::input)?;
+    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
+    if arguments.denoise && !can_denoise() {
+        return Err(Failure::input(OutputError::NoDenoiser));
+    }
     let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
-    let settings = settings(arguments, &scene);
+    let file = arguments.load_map.as_deref().map(PhotonFile::read).transpose().map_err(Failure::input)?;
+    let settings = settings(arguments, &scene, file.as_ref());
+    let asked = layers(&arguments.aov);
+    if let Some(layer) = asked.first().filter(|_| Format::of(&arguments.output) != Ok(Format::Exr)) {
+        let path = arguments.output.clone();
+        return Err(Failure::input(OutputError::NoLayers { path, layer: layer.name() }));
+    }
+    if let Some(file) = &file {
+        file.check_scene(&scene).map_err(Failure::input)?;
+    }
     settings.validate().map_err(|error| failure(&error))?;
     let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
     if !arguments.quiet {
         eprintln!("{line}");
     }
     let mut monitor = Monitor::new(arguments.quiet);
-    let rendered = render(&scene, &settings, &device, &mut |progress| monitor.show(progress));
+    let rendered = render_with(&scene, &settings, &device, file.as_ref(), &mut |progress| monitor.show(progress));
     monitor.finish();
-    let rendered = rendered.map_err(|error| failure(&error))?;
-    let described = describe(&settings, if device.is_exact() { Precision::Exact } else { Precision::Fast });
+    let mut rendered = rendered.map_err(|error| failure(&error))?;
+    if arguments.denoise {
+        rendered.image = output::denoise(&rendered.image, &rendered.layers).map_err(Failure::machine)?;
+    }
+    rendered.layers.retain(|layer| asked.contains(&layer.kind));
+    let mut described = describe(&settings, if device.is_exact() { Precision::Exact } else { Precision::Fast });
+    if arguments.denoise {
+        described.push(("denoiser".to_string(), "OpenImageDenoise".to_string()));
+    }
     let metadata = Metadata {
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: scene.name.clone(),
         seed: settings.seed,
         settings: described.clone(),
     };
-    output::write(&arguments.output, &rendered.image, &metadata).map_err(Failure::machine)?;
+    let extras = Extras { layers: &rendered.layers, display };
+    output::write_with(&arguments.output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
     if !arguments.quiet {
         tell(&rendered.report, &arguments.output);
     }
@@ -47,20 +68,34 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 }
 
 /// The settings of the scene, with those of the command line in their place where given.
-fn settings(arguments: &RenderArguments, scene: &Scene) -> Settings {
+fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile>) -> Settings {
     let defaults = Settings::of(scene);
     Settings {
         size: arguments.size.unwrap_or(defaults.size),
-        photons: arguments.photons.unwrap_or(defaults.photons),
-        caustic_photons: arguments.caustic_photons.unwrap_or(defaults.caustic_photons),
+        photons: file.map(|file| file.header.photons).or(arguments.photons).unwrap_or(defaults.photons),
+        caustic_photons: file
+            .map(|file| file.header.caustic_photons)
+            .or(arguments.caustic_photons)
+            .unwrap_or(defaults.caustic_photons),
         k: arguments.k.unwrap_or(defaults.k),
         radius: arguments.radius.unwrap_or(defaults.radius),
         hash: arguments.hash.into(),
         gather: arguments.gather.into(),
         spp: arguments.spp.unwrap_or(defaults.spp),
-        seed: arguments.seed,
+        seed: arguments.seed.or(file.map(|file| file.header.seed)).unwrap_or_default(),
         show: arguments.show.into(),
+        layers: wanted_layers(arguments),
+        health: arguments.json,
     }
+}
+
+/// The layers that the file or the denoiser needs.
+fn wanted_layers(arguments: &RenderArguments) -> Vec<LayerKind> {
+    let mut wanted = layers(&arguments.aov);
+    if arguments.denoise {
+        wanted.extend(DENOISER_LAYERS.iter().filter(|layer| !layers(&arguments.aov).contains(layer)));
+    }
+    wanted
 }
 
 /// What the image depends on. Device, hash and gather are left out: an exact image does not depend on them.

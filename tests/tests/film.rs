@@ -30,7 +30,7 @@ fn vertices() -> Vec<Vertex> {
 
 fn develop(device: &Device, vertices: &[Vertex], direct: &[Irradiance], samples: u32) -> Vec<Pixel> {
     let pixels = vertices.len() as u32 / samples;
-    let tile = FilmTile { first_pixel: 0, pixels, samples, parts: PART_DIRECT };
+    let tile = FilmTile { first_pixel: 0, pixels, samples, parts: PART_DIRECT, radius: 1.0 };
     let tile = device.upload("tile", &[tile]).unwrap();
     let vertices = device.upload("vertices", vertices).unwrap();
     let direct = device.upload("direct", direct).unwrap();

@@ -9,7 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, FilmTile, LayerPixel, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo,
+    Target, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -59,8 +60,9 @@ records! {
     Target: "ffff",
     CameraTile: "uuuu",
     Camera: "fffufffuffffff",
-    Vertex: "fffuffffffu",
-    FilmTile: "uuuu",
+    Vertex: "fffuffffffuf",
+    FilmTile: "uuuuf",
+    LayerPixel: "ffffffffffffffffffff",
     Pixel: "fffuuuuu",
     // Bits of operands and results, NaN among them.
     Arithmetic: "uuuuuuuuuuuuuuuuuu",

@@ -53,6 +53,9 @@ macro_rules! stages {
                 0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 power: In u32, 4 sites: Out Site,
                 5 arrivals: Out Arrival
             ) = grid::reorder_photons;
+            each UnitPowers = unit_powers [256] (
+                0 grid: One Grid, 1 arrivals: In Arrival, 2 units: Out Arrival, 3 power: Out u32
+            ) = gather::unit_powers;
             each HashQueries = hash_queries [256] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 keys: Out u32
             ) = grid::hash_queries;
@@ -293,6 +296,11 @@ macro_rules! stages {
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
                 4 caustic: In Irradiance, 5 film: Out Pixel
             ) = trace::develop_film;
+            each DevelopLayers = develop_layers [64] (
+                0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
+                4 caustic: In Irradiance, 5 global_density: In Irradiance, 6 caustic_density: In Irradiance,
+                7 layers: Out LayerPixel
+            ) = trace::develop_layers;
 
             each ProbeArithmetic = probe_arithmetic [64] (
                 0 params: One ArithmeticParams, 1 results: Out Arithmetic
@@ -323,7 +331,7 @@ macro_rules! stages {
             ) = probe::layout_scene;
             each LayoutFilm = layout_film [64] (
                 0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,
-                5 words: Out u32
+                5 layers: In LayerPixel, 6 words: Out u32
             ) = probe::layout_film;
         }
     };

@@ -7,6 +7,7 @@ mod crowd;
 mod error;
 mod pace;
 mod passes;
+mod photon_file;
 mod photons;
 mod render;
 mod report;
@@ -15,7 +16,8 @@ mod verify;
 
 pub use error::RenderError;
 pub use passes::{View, trace_photons};
-pub use render::{Rendered, render};
+pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError};
+pub use render::{Rendered, render, render_with};
 pub use report::{MapReport, Progress, RenderReport};
 pub use settings::{MAX_PIXELS, Settings, Show};
 pub use verify::{ImageComparison, Verification, verify};

@@ -75,7 +75,7 @@ impl View {
         assert_eq!(estimates.len(), self.count() as usize, "an estimate for each query");
         let [width, height] = self.size;
         let pixels = width * height;
-        let tile = FilmTile { first_pixel: 0, pixels, samples: self.samples, parts: PART_GLOBAL };
+        let tile = FilmTile { first_pixel: 0, pixels, samples: self.samples, parts: PART_GLOBAL, radius: 0.0 };
         let tile = device.upload("camera tile of film", &[tile])?;
         let global = device.upload("sample global", estimates)?;
         let nothing = device.buffer::<Irradiance>("sample direct", 0)?;

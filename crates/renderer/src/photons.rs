@@ -1,6 +1,7 @@
 //! A photon pass: count, scan, store, build.
 
 use crate::pace::Pace;
+use crate::photon_file::PhotonFile;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
 use crate::{RenderError, Settings, Show};
@@ -89,16 +90,20 @@ impl PassKind {
     }
 }
 
-/// Traces the photons of a pass and builds their map. There is no map if nothing was stored.
+/// Traces the photons of a pass, or takes them from a file, and builds their map. There is no map if nothing was stored.
 pub(crate) fn photon_map(
     device: &Device,
     scene: &CompiledScene,
     buffers: &SceneBuffers,
     settings: &Settings,
     kind: &PassKind,
+    file: Option<&PhotonFile>,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<PhotonMap>, MapReport), RenderError> {
-    let (photons, mut report) = trace(device, buffers, settings.seed, kind, progress)?;
+    let (photons, mut report) = match file {
+        Some(file) => file.upload(device, kind)?,
+        None => trace(device, buffers, settings.seed, kind, progress)?,
+    };
     let Some(unsorted) = photons else { return Ok((None, report)) };
     let stored = u64::from(report.photons_stored);
     let (low, high) = scene.diffuse_bounds;
@@ -113,6 +118,9 @@ pub(crate) fn photon_map(
     device.run(&plan)?;
     report.table_entries = grid.table;
     report.bytes = map.bytes();
+    if settings.health {
+        report.health = Some(map.health(device)?);
+    }
     Ok((Some(map), report))
 }
 
@@ -124,15 +132,7 @@ pub(crate) fn trace(
     kind: &PassKind,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<Buffer>, MapReport), RenderError> {
-    let mut report = MapReport {
-        map: kind.map,
-        photons_emitted: kind.emitted,
-        photons_stored: 0,
-        segments: 0,
-        paths_cut: 0,
-        table_entries: 0,
-        bytes: 0,
-    };
+    let mut report = MapReport::new(kind.map, kind.emitted);
     let emitted = kind.emitted;
     let counts = device.scratch::<u32>("photon counts", u64::from(emitted))?;
     let total = 2 * u64::from(emitted);

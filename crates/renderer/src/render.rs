@@ -1,14 +1,17 @@
 //! The render: photon maps first, then the image, tile by tile.
 
-use crate::output::Image;
+use crate::output::{Image, Layer, LayerKind};
 use crate::pace::Pace;
+use crate::photon_file::PhotonFile;
 use crate::photons::{PassKind, SceneBuffers, photon_map};
 use crate::report::{MapReport, Progress, RenderReport};
 use crate::scene::{CompiledScene, Scene};
 use crate::{RenderError, Settings};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::{Irradiance, Query};
-use caustic_kernels::trace::{CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, Vertex};
+use caustic_kernels::trace::{
+    CameraTile, FilmTile, LayerPixel, PART_CAUSTIC, PART_DENSITY, PART_DIRECT, PART_GLOBAL, Pixel, Vertex,
+};
 use caustic_photon_map::PhotonMap;
 use std::time::Instant;
 
@@ -21,6 +24,8 @@ const GPU_SAMPLES: u32 = 1 << 21;
 pub struct Rendered {
     /// The image: radiance, W·sr⁻¹·m⁻².
     pub image: Image,
+    /// The layers that the settings ask for, in their order.
+    pub layers: Vec<Layer>,
     /// What the render did.
     pub report: RenderReport,
 }
@@ -36,24 +41,42 @@ pub fn render(
     device: &Device,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Rendered, RenderError> {
+    render_with(scene, settings, device, None, progress)
+}
+
+/// [`render`] with the photons of a file instead of traced ones, if there is one.
+///
+/// # Errors
+/// All of [`RenderError`].
+pub fn render_with(
+    scene: &Scene,
+    settings: &Settings,
+    device: &Device,
+    file: Option<&PhotonFile>,
+    progress: &mut dyn FnMut(Progress) -> bool,
+) -> Result<Rendered, RenderError> {
     settings.validate()?;
+    if let Some(file) = file {
+        file.check_scene(scene)?;
+    }
     let start = Instant::now();
     let compiled = scene.compile();
     let buffers = SceneBuffers::new(device, &compiled)?;
     let mut notes = Vec::new();
     let mut maps = Vec::new();
     let mut map = |kind: Option<PassKind>| match kind {
-        Some(kind) => build(device, &compiled, &buffers, settings, &kind, &mut maps, &mut notes, progress),
+        Some(kind) => build(device, &compiled, &buffers, settings, &kind, file, &mut maps, &mut notes, progress),
         None => Ok(None),
     };
-    let global = map(global_pass(settings))?;
-    let caustic = map(caustic_pass(settings, &compiled))?;
+    let [global, caustic] = passes(settings, &compiled);
+    let global = map(global)?;
+    let caustic = map(caustic)?;
     if settings.show.parts() & PART_CAUSTIC != 0 && !compiled.has_specular {
         notes.push("no caustic map: nothing in the scene is specular".to_string());
     }
 
     let camera = Camera { device, scene, buffers: &buffers, settings };
-    let (film, complete) = camera.film(global.as_ref(), caustic.as_ref(), progress)?;
+    let Film { pixels: film, layers, complete } = camera.film(global.as_ref(), caustic.as_ref(), progress)?;
     let count = |of: fn(&Pixel) -> u32| film.iter().map(|pixel| u64::from(of(pixel))).sum::<u64>();
     let cut_short = count(|pixel| pixel.cut_short);
     if cut_short > 0 {
@@ -71,6 +94,7 @@ pub fn render(
     }
     let [width, height] = settings.size;
     let image = Image { width, height, rgb: film.iter().map(|pixel| pixel.rgb).collect() };
+    let layers = settings.layers.iter().map(|&kind| Layer::of(kind, &layers)).collect();
     let report = RenderReport {
         device: device.name(),
         complete,
@@ -83,7 +107,7 @@ pub fn render(
         peak_bytes: device.total_bytes().1,
         mean_radiance: mean(&image),
     };
-    Ok(Rendered { image, report })
+    Ok(Rendered { image, layers, report })
 }
 
 /// Mean radiance of an image, W·sr⁻¹·m⁻².
@@ -95,6 +119,11 @@ fn mean(image: &Image) -> [f64; 3] {
         }
     }
     sum.map(|sum| sum / image.rgb.len() as f64)
+}
+
+/// The passes that a render needs: of the global and of the caustic map.
+pub(crate) fn passes(settings: &Settings, scene: &CompiledScene) -> [Option<PassKind>; 2] {
+    [global_pass(settings), caustic_pass(settings, scene)]
 }
 
 fn global_pass(settings: &Settings) -> Option<PassKind> {
@@ -114,11 +143,12 @@ fn build(
     buffers: &SceneBuffers,
     settings: &Settings,
     kind: &PassKind,
+    file: Option<&PhotonFile>,
     maps: &mut Vec<MapReport>,
     notes: &mut Vec<String>,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Option<PhotonMap>, RenderError> {
-    let (map, report) = photon_map(device, scene, buffers, settings, kind, progress)?;
+    let (map, report) = photon_map(device, scene, buffers, settings, kind, file, progress)?;
     if map.is_none() {
         notes.push(format!("the {} map is empty: no such light was found", kind.map));
     }
@@ -127,6 +157,15 @@ fn build(
     }
     maps.push(report);
     Ok(map)
+}
+
+/// What the second pass makes.
+struct Film {
+    pixels: Vec<Pixel>,
+    /// Empty if no layers are asked for.
+    layers: Vec<LayerPixel>,
+    /// Whether it is whole.
+    complete: bool,
 }
 
 /// The second pass.
@@ -138,13 +177,13 @@ struct Camera<'a> {
 }
 
 impl Camera<'_> {
-    /// Renders the film and returns it with whether it is whole.
+    /// Renders the film.
     fn film(
         &self,
         global: Option<&PhotonMap>,
         caustic: Option<&PhotonMap>,
         progress: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<(Vec<Pixel>, bool), RenderError> {
+    ) -> Result<Film, RenderError> {
         let Self { device, settings, .. } = *self;
         let [width, height] = settings.size;
         let pixels = width * height;
@@ -155,7 +194,15 @@ impl Camera<'_> {
         let tile_buffer = device.scratch::<CameraTile>("camera tile", 1)?;
         let film_tile_buffer = device.scratch::<FilmTile>("camera tile of film", 1)?;
         let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
+        let layer_pixels = if settings.layers.is_empty() { 0 } else { u64::from(pixels) };
+        let layers = device.buffer::<LayerPixel>("layers", layer_pixels)?;
         let maps = [global, caustic];
+        let radius = settings.radius;
+        if settings.layers.contains(&LayerKind::Radius) {
+            parts |= PART_DENSITY;
+        }
+        let units = self.units(parts, maps)?;
+        let units = [units[0].as_ref(), units[1].as_ref()];
         let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
         // The plan of a tile, and of how many pixels it is.
         let mut plan = (0, Plan::new());
@@ -170,16 +217,30 @@ impl Camera<'_> {
             if plan.0 != tile_pixels {
                 // The last one's buffers go first.
                 plan.1 = Plan::new();
-                let buffers = [&tile_buffer, &film_tile_buffer, &film];
-                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, buffers)?);
+                let buffers = [&tile_buffer, &film_tile_buffer, &film, &layers];
+                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, units, buffers)?);
             }
             let pixels = tile_pixels.min(pixels - first_pixel);
             device.write(&tile_buffer, &[CameraTile { first_pixel, pixels, samples: spp, seed: settings.seed }]);
-            device.write(&film_tile_buffer, &[FilmTile { first_pixel, pixels, samples: spp, parts }]);
+            device.write(&film_tile_buffer, &[FilmTile { first_pixel, pixels, samples: spp, parts, radius }]);
             pace.run(|| device.run(&plan.1))?;
             first_pixel += pixels;
         }
-        Ok((device.read(&film, u64::from(pixels))?, complete))
+        let pixels = device.read(&film, u64::from(pixels))?;
+        Ok(Film { pixels, layers: device.read(&layers, layer_pixels)?, complete })
+    }
+
+    /// The maps with photons of power 1, if the radius of estimates is asked for.
+    fn units(&self, parts: u32, maps: [Option<&PhotonMap>; 2]) -> Result<[Option<PhotonMap>; 2], RenderError> {
+        let mut units = [None, None];
+        if parts & PART_DENSITY != 0 {
+            let mut plan = Plan::new();
+            for (unit, map) in units.iter_mut().zip(maps) {
+                *unit = map.map(|map| map.plan_units(self.device, &mut plan)).transpose()?;
+            }
+            self.device.run(&plan)?;
+        }
+        Ok(units)
     }
 
     /// The stages of one tile. Only those whose part is wanted are in it.
@@ -188,7 +249,8 @@ impl Camera<'_> {
         pixels: u32,
         parts: u32,
         maps: [Option<&PhotonMap>; 2],
-        [tile, film_tile, film]: [&Buffer; 3],
+        units: [Option<&PhotonMap>; 2],
+        [tile, film_tile, film, layers]: [&Buffer; 4],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, .. } = *self;
         let SceneBuffers { info, nodes, primitives, materials, lights, .. } = self.buffers;
@@ -222,8 +284,22 @@ impl Camera<'_> {
             }
             estimates.push(estimate);
         }
+        let mut densities = Vec::new();
+        for (map, name) in units.into_iter().zip(["density of global", "density of caustic"]) {
+            let density = device.scratch::<Irradiance>(name, records(map.is_some()))?;
+            if let Some(map) = map {
+                plan.scope(name);
+                map.plan_irradiance(device, &mut plan, &queries, samples, settings.k, settings.gather, &density)?;
+            }
+            densities.push(density);
+        }
         plan.scope("image");
         plan.each(Kernel::DevelopFilm, pixels, &[film_tile, &vertices, &direct, &estimates[0], &estimates[1], film]);
+        if !settings.layers.is_empty() {
+            let [global, caustic] = [&estimates[0], &estimates[1]];
+            let buffers = [film_tile, &vertices, &direct, global, caustic, &densities[0], &densities[1], layers];
+            plan.each(Kernel::DevelopLayers, pixels, &buffers);
+        }
         Ok(plan)
     }
 }

@@ -1,6 +1,7 @@
 //! What a render says of itself.
 
 use caustic_device::{BufferBytes, StageTime};
+use caustic_photon_map::Health;
 use serde::Serialize;
 
 /// How far a render is.
@@ -31,6 +32,25 @@ pub struct MapReport {
     pub table_entries: u32,
     /// Bytes of the finished map.
     pub bytes: u64,
+    /// How its photons lie in the table, if [`Settings::health`](crate::Settings::health) asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub health: Option<Health>,
+}
+
+impl MapReport {
+    /// The report of a map for which nothing has been traced yet.
+    pub(crate) fn new(map: &'static str, photons_emitted: u32) -> Self {
+        Self {
+            map,
+            photons_emitted,
+            photons_stored: 0,
+            segments: 0,
+            paths_cut: 0,
+            table_entries: 0,
+            bytes: 0,
+            health: None,
+        }
+    }
 }
 
 /// What a render did.

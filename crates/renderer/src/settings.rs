@@ -1,6 +1,7 @@
 //! What a user can choose.
 
 use crate::RenderError;
+use crate::output::LayerKind;
 use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL};
@@ -59,6 +60,10 @@ pub struct Settings {
     pub seed: u32,
     /// Part of the light.
     pub show: Show,
+    /// Layers to make beside the picture, each once.
+    pub layers: Vec<LayerKind>,
+    /// Whether to look at how the photons lie in the maps' tables ([`MapReport::health`](crate::MapReport::health)): that reads them back.
+    pub health: bool,
 }
 
 /// Most pixels of an image.
@@ -80,6 +85,8 @@ impl Settings {
             spp: defaults.spp.unwrap_or(16),
             seed: 0,
             show: Show::Beauty,
+            layers: Vec::new(),
+            health: false,
         }
     }
 
@@ -103,6 +110,9 @@ impl Settings {
                 range: format!("1x1 to {MAX_SIDE}x{MAX_SIDE} with at most {MAX_PIXELS} pixels"),
             });
         }
+        for &layer in &self.layers {
+            self.check_layer(layer)?;
+        }
         whole("photons", self.photons, 1, MAX_PHOTONS)?;
         whole("caustic-photons", self.caustic_photons, 0, MAX_PHOTONS)?;
         whole("k", self.k, 1, MAX_K)?;
@@ -115,5 +125,23 @@ impl Settings {
             });
         }
         Ok(())
+    }
+
+    fn check_layer(&self, layer: LayerKind) -> Result<(), RenderError> {
+        let part = match layer {
+            LayerKind::Direct => PART_DIRECT,
+            LayerKind::Global => PART_GLOBAL,
+            LayerKind::Caustic => PART_CAUSTIC,
+            LayerKind::Radius | LayerKind::Photons => PART_GLOBAL | PART_CAUSTIC,
+            _ => u32::MAX,
+        };
+        let reason = if !LayerKind::OF_PHOTON_MAPS.contains(&layer) {
+            "a photon-mapped picture does not know it; ask for other layers"
+        } else if self.show.parts() & part == 0 {
+            "--show leaves out the light that it would tell of; use --show beauty"
+        } else {
+            return Ok(());
+        };
+        Err(RenderError::NoLayer { layer: layer.name(), reason })
     }
 }

@@ -14,6 +14,7 @@ mod list;
 mod neighbours;
 mod power;
 mod search;
+mod unit;
 
 pub(crate) use bins::{BINS, bin_of, clear, count};
 pub use bins::{COLUMN_LANES, Columns};
@@ -26,6 +27,7 @@ pub use list::SortedList;
 pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
 pub(crate) use power::Power;
 pub use search::{distance2, root_above, search, search_share};
+pub use unit::unit_powers;
 
 use crate::exec::Input;
 use crate::layout::Site;

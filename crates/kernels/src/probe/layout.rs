@@ -12,11 +12,12 @@ use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    BvhNode, Camera, CameraTile, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Vertex,
+    BvhNode, Camera, CameraTile, FilmTile, LayerPixel, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo,
+    Target, Vertex,
 };
 
 /// Words that a layout kernel writes at most.
-pub const LAYOUT_WORDS: u32 = 64;
+pub const LAYOUT_WORDS: u32 = 128;
 
 /// Fields that can be read word by word.
 pub trait Words {
@@ -124,8 +125,9 @@ layouts! {
     layout_film(
         camera: Camera { origin, width, corner, height, right, down },
         tile: CameraTile { first_pixel, pixels, samples, seed },
-        vertices: Vertex { normal, primitive, weight, emitted, rays },
-        film_tile: FilmTile { first_pixel, pixels, samples, parts },
-        film: Pixel { rgb, covered, not_finite, lost, cut_short, rays }
+        vertices: Vertex { normal, primitive, weight, emitted, rays, distance },
+        film_tile: FilmTile { first_pixel, pixels, samples, parts, radius },
+        film: Pixel { rgb, covered, not_finite, lost, cut_short, rays },
+        layers: LayerPixel { direct, global, caustic, normal, albedo, depth, radius, photons }
     );
 }

@@ -63,6 +63,8 @@ pub struct Vertex {
     pub emitted: [f32; 3],
     /// Rays that the path took.
     pub rays: u32,
+    /// Length of the path, m.
+    pub distance: f32,
 }
 
 /// Follows sample `i` of the tile through mirrors and glass to the first diffuse surface.
@@ -94,7 +96,8 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     let mut origin = Vec3::from_array(camera.origin);
     let mut throughput = Vec3::ONE;
     let mut query = Query { position: [0.0; 3], active: 0 };
-    let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
+    let mut vertex =
+        Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0, distance: 0.0 };
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
         vertex.rays += 1;
@@ -103,6 +106,7 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
             vertex.primitive = hit.primitive;
             break;
         }
+        vertex.distance += hit.t;
         let primitive = primitives[hit.primitive as usize];
         let material = materials[primitive.material as usize];
         let (point, normal) = surface_at(origin, direction, hit.t, &primitive);

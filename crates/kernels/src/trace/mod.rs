@@ -10,6 +10,7 @@ mod direct;
 mod emission;
 mod film;
 mod intersect;
+mod layers;
 mod material;
 mod photons;
 mod scene;
@@ -18,8 +19,9 @@ pub mod vector;
 pub use bvh::{BvhNode, INNER, LEAF_BITS, OCTANTS, Slabs, octant};
 pub use camera::{Camera, CameraTile, Vertex, trace_camera};
 pub use direct::shade_direct;
-pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_film};
+pub use film::{FilmTile, PART_CAUSTIC, PART_DENSITY, PART_DIRECT, PART_GLOBAL, Pixel, develop_film};
 pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, intersect, occluded};
+pub use layers::{LayerPixel, develop_layers};
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
     LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,

@@ -11,6 +11,8 @@ pub(super) struct Content {
     /// Quads, then spheres, each in the file's order.
     pub surfaces: Vec<Surface>,
     pub points: Vec<PointLight>,
+    /// Where the origin of all coordinates lies in the file's, m.
+    pub origin: DVec3,
 }
 
 /// Bounds of nothing.
@@ -38,6 +40,7 @@ impl Content {
         }
         self.camera.position -= origin;
         self.camera.target -= origin;
+        self.origin += origin;
         self
     }
 

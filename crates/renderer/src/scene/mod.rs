@@ -18,6 +18,7 @@ mod camera;
 mod check;
 mod compile;
 mod content;
+mod digest;
 mod document;
 mod error;
 mod file;
@@ -35,6 +36,7 @@ mod tests;
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use compile::CompiledScene;
 pub use error::{Place, SceneError};
+pub use text::suggestion;
 
 use caustic_kernels::trace::Camera;
 use content::Content;
@@ -96,6 +98,13 @@ impl Scene {
     #[must_use]
     pub fn camera(&self, width: u32, height: u32) -> Camera {
         camera::camera(&self.content.camera, width, height)
+    }
+
+    /// Where the origin of the kernels' coordinates, and so of photons, lies in the file's, m. It is 0 unless the scene is farther from its
+    /// origin than it is large.
+    #[must_use]
+    pub fn origin(&self) -> [f64; 3] {
+        self.content.origin.to_array()
     }
 
     /// The kernels' records.

@@ -37,7 +37,7 @@ pub(super) fn validate(document: &Document<'_>, file: &SceneFile) -> Result<(Ren
             intensity: emission(document, &path.key("intensity"), table.intensity, "an intensity (W/sr)")?,
         });
     }
-    let content = Content { camera, materials: palette.materials, surfaces, points };
+    let content = Content { camera, materials: palette.materials, surfaces, points, origin: glam::DVec3::ZERO };
     whole_scene(document, &content)?;
     Ok((defaults, content.localised()))
 }
