@@ -67,7 +67,8 @@ fn dumps_tell_of_every_photon() {
     assert!(rows.iter().all(|row| row.len() == 11) && rows[0][1] == "x");
     let of = |map: &str| rows.iter().filter(|row| row[0] == map).count() as u64;
     assert_eq!([of("global"), of("caustic")], [stored[0], stored[1]]);
-    let power: f64 = rows[1..].iter().filter(|row| row[0] == "global").map(|row| row[7].parse::<f64>().unwrap()).sum();
+    let power: f64 =
+        rows[1..].iter().filter(|row| row[0] == "global").map(|row| f64::from(row[7].parse::<f32>().unwrap())).sum();
     let told = maps[0]["power"][0].as_f64().unwrap();
     // Sums of the same numbers in f64, printed to all their digits.
     assert!((power / told - 1.0).abs() < 1e-9, "{power} and {told}");

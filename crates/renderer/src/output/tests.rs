@@ -1,6 +1,5 @@
 use super::*;
 use std::fs;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// An empty folder that goes when it is dropped.
