@@ -4,17 +4,22 @@ mod bench;
 mod compare;
 mod experiments;
 mod integrator;
+mod photons;
+mod picture;
 
 pub use bench::BenchArguments;
 pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
 pub use integrator::{IntegratorArguments, RadiusArgument};
+pub use photons::{DumpArgument, PhotonsArguments};
+pub use picture::{DisplayArguments, LayerArgument, TonemapArguments, layers};
 
 use caustic_device::{DeviceChoice, Precision};
 use caustic_photon_map::{Gather, Hash, RADII};
 use caustic_renderer::Show;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use std::path::PathBuf;
 
 /// Photon mapping with one Rust source for CPU and GPU, the same bits on both.
@@ -28,7 +33,8 @@ use std::path::PathBuf;
         caustic render cornell -o caustic.png --show map-caustic --caustic-photons 10000\n  \
         caustic render cornell -o box.exr --integrator progressive --surface own --time 60\n  \
         caustic render cornell -o box.exr --integrator path --spp 16 --passes 1000 --checkpoint box.state\n  \
-        caustic render my_scene.toml -o picture.png --hash teschner --device cpu\n  \
+        caustic render my_scene.toml -o picture.png --tone-map agx --device cpu\n  \
+        caustic photons cornell -o cornell.caustic\n  \
         caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
         caustic compare picture.png reference.png --metric flip --threshold 0.05 --diff error.png\n  \
         caustic verify --device gpu\n  \
@@ -45,8 +51,12 @@ pub struct Arguments {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// Renders a scene to a PNG or EXR file.
-    Render(RenderArguments),
+    /// Renders a scene to a PNG, EXR or HDR file.
+    Render(Box<RenderArguments>),
+    /// Saves the photons of a scene for later renders, or tells of saved ones: statistics, CSV, point cloud.
+    Photons(PhotonsArguments),
+    /// Makes a PNG of a linear picture, with an exposure and a tone curve; or another linear format.
+    Tonemap(TonemapArguments),
     /// Builds a photon map of given or synthetic photons, searches it, and checks the answers against brute force.
     Map(MapArguments),
     /// Says how much a PNG, EXR or HDR picture differs from a reference, and whether that is within a threshold.
@@ -67,6 +77,23 @@ pub enum Command {
     Scene {
         #[command(subcommand)]
         command: SceneCommand,
+    },
+    /// Writes a small scene with a comment at every field, to begin with.
+    Init {
+        /// The file.
+        #[arg(value_name = "FILE", default_value = "scene.toml")]
+        file: PathBuf,
+    },
+    /// Prints the completions of a shell, for example `caustic completions bash > ~/.local/share/bash-completion/completions/caustic`.
+    Completions {
+        /// The shell.
+        shell: Shell,
+    },
+    /// Prints the manual page (`caustic man | man -l -`), or writes a page for each command.
+    Man {
+        /// Folder for the pages.
+        #[arg(short, long, value_name = "DIR")]
+        output: Option<PathBuf>,
     },
 }
 
@@ -94,7 +121,7 @@ pub enum SceneCommand {
 pub struct RenderArguments {
     /// A built-in scene (see `caustic scene list`) or a scene file (docs/scene-format.md).
     pub scene: String,
-    /// The image: .png (sRGB, 8 bits) or .exr (linear, 32-bit float, with the settings as metadata).
+    /// The image: .png (sRGB, 8 bits), .exr (linear, 32-bit float, with the settings as metadata) or .hdr (linear, 8 bits and an exponent).
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Size of the image in pixels.
@@ -106,6 +133,9 @@ pub struct RenderArguments {
     /// Photons emitted at mirrors and glass for the caustic map: more make caustics sharper.
     #[arg(long, value_name = "N", value_parser = whole(0, MAX_PHOTONS), allow_negative_numbers = true)]
     pub caustic_photons: Option<u32>,
+    /// Takes the photons from a file of `caustic photons SCENE -o FILE` instead of tracing them: the image is the same.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["photons", "caustic_photons"])]
+    pub load_map: Option<PathBuf>,
     /// Photons in an estimate: more are smoother and slower, fewer are sharper and noisier.
     #[arg(long, value_name = "K", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]
     pub k: Option<u32>,
@@ -128,14 +158,23 @@ pub struct RenderArguments {
     /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
     #[arg(long, value_name = "D", default_value = "auto")]
     pub device: DeviceChoice,
-    /// Seed of the random numbers: the same seed gives the same image on every device.
-    #[arg(long, value_name = "S", default_value = "0", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
-    pub seed: u32,
+    /// Seed of the random numbers: the same seed gives the same image on every device [default: 0, or that of --load-map].
+    #[arg(long, value_name = "S", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
+    pub seed: Option<u32>,
     /// Which part of the light to show.
     #[arg(long, value_enum, default_value_t)]
     pub show: ShowArgument,
     #[command(flatten)]
     pub how: IntegratorArguments,
+    /// Layers of an EXR beside the picture; several with commas between them.
+    #[arg(long, value_enum, value_name = "LAYERS", value_delimiter = ',')]
+    pub aov: Vec<LayerArgument>,
+    #[command(flatten)]
+    pub display: DisplayArguments,
+    /// Denoises the picture (not its layers) by OpenImageDenoise, if the program was built with the feature `denoise`: pleasant, biased, and not the
+    /// same bits everywhere.
+    #[arg(long)]
+    pub denoise: bool,
     /// Prints nothing but errors.
     #[arg(long)]
     pub quiet: bool,

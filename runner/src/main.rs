@@ -7,8 +7,11 @@ mod compare;
 mod experiments;
 mod info;
 mod map;
+mod photons;
 mod progress;
 mod render;
+mod starter;
+mod tonemap;
 mod verify;
 
 use args::{Arguments, Command, SceneCommand};
@@ -93,11 +96,16 @@ fn main() -> ExitCode {
     };
     let result = match arguments.command.unwrap_or_default() {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Photons(arguments) => photons::run(&arguments),
+        Command::Tonemap(arguments) => tonemap::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiments(arguments) => experiments::run(&arguments),
+        Command::Init { file } => starter::init(&file),
+        Command::Completions { shell } => starter::completions(shell),
+        Command::Man { output } => starter::man(output.as_deref()),
         Command::Info { json } => info::devices(json),
         Command::Scene { command: SceneCommand::List { json } } => info::scenes(json),
     };

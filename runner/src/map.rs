@@ -2,11 +2,15 @@
 
 use crate::Failure;
 use crate::args::MapArguments;
+use crate::progress::Monitor;
+use crate::render::failure;
 use caustic_bench::points::{Distribution, Points};
 use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::gather::distance2;
 use caustic_kernels::layout::{Irradiance, Neighbour, Photon, Query};
 use caustic_photon_map::{MapError, MapOptions, PhotonMap, bounds, plan_grid};
+use caustic_renderer::scene::suggestion;
+use caustic_renderer::{Progress, RenderError};
 use std::time::Instant;
 
 /// Queries whose neighbours are checked against brute force.
@@ -21,7 +25,10 @@ pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
     let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
     eprintln!("{line}");
 
-    let timed = time(&device, &photons, &queries, &options, arguments).map_err(Failure::input)?;
+    let mut monitor = Monitor::new(arguments.json);
+    let timed = time(&device, &photons, &queries, &options, arguments, &mut monitor);
+    monitor.finish();
+    let timed = timed.map_err(|error| failure(&error))?;
     let differ = check(&device, &photons, &queries, &options, arguments).map_err(Failure::input)?;
     let report = serde_json::json!({
         "device": device.name(),
@@ -70,7 +77,8 @@ fn time(
     queries: &[Query],
     options: &MapOptions,
     arguments: &MapArguments,
-) -> Result<Timed, MapError> {
+    monitor: &mut Monitor,
+) -> Result<Timed, RenderError> {
     let (low, high) = bounds("photons", photons.iter().map(|photon| photon.position))?;
     let sample: Vec<[f32; 3]> =
         photons.iter().step_by(photons.len().div_ceil(4096)).map(|photon| photon.position).collect();
@@ -85,17 +93,24 @@ fn time(
     query.scope("query");
     let count = queries.len() as u32;
     map.plan_irradiance(device, &mut query, &query_buffer, count, arguments.k, arguments.gather.into(), &out)?;
-    device.run(&build)?;
-    device.run(&query)?;
-    let run = |plan: &Plan| -> Result<f64, MapError> {
+    // A warm-up of each comes first.
+    let mut steps = 0;
+    let mut run = |plan: &Plan| -> Result<f64, RenderError> {
         let mut times = Vec::new();
-        for _ in 0..arguments.repeat {
+        for repetition in 0..=arguments.repeat {
+            if !monitor.show(Progress { phase: "map", done: steps, total: 2 * u64::from(arguments.repeat + 1) }) {
+                return Err(RenderError::Interrupted);
+            }
+            steps += 1;
             device.reset_stage_times();
             let start = Instant::now();
             device.run(plan)?;
             let stages: f64 = device.stage_times().iter().map(|stage| stage.ms).sum();
             // An adapter without time stamps leaves the wall clock.
-            times.push(if stages > 0.0 { stages } else { start.elapsed().as_secs_f64() * 1e3 });
+            let ms = if stages > 0.0 { stages } else { start.elapsed().as_secs_f64() * 1e3 };
+            if repetition > 0 {
+                times.push(ms);
+            }
         }
         times.sort_by(f64::total_cmp);
         Ok(times[times.len() / 2])
@@ -155,6 +170,13 @@ impl Source {
             Some(("surface", n)) => Ok(Self::Drawn(Distribution::Surface, number(n)?)),
             Some(("clustered", n)) => Ok(Self::Drawn(Distribution::Caustic, number(n)?)),
             Some(("cell", n)) => Ok(Self::Drawn(Distribution::Cell, number(n)?)),
+            // A file may be called so; a kind that is misspelt is none.
+            Some((kind, n)) if n.parse::<u64>().is_ok() && !std::path::Path::new(text).exists() => {
+                let meant = suggestion(kind, ["uniform", "surface", "clustered", "cell"]);
+                Err(Failure::input(format!(
+                    "--photons {text}: there is no kind `{kind}`{meant}; give uniform:N, surface:N, clustered:N, cell:N or a text file"
+                )))
+            }
             _ => Ok(Self::File(text.into())),
         }
     }

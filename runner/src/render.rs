@@ -1,20 +1,35 @@
 //! `caustic render`.
 
 use crate::Failure;
-use crate::args::{RadiusArgument, RenderArguments};
+use crate::args::{RadiusArgument, RenderArguments, layers};
 use crate::progress::Monitor;
 use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
-use caustic_renderer::output::{self, Metadata};
+use caustic_renderer::output::{self, DENOISER_LAYERS, Extras, Format, LayerKind, Metadata, OutputError, can_denoise};
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{Checkpoint, CheckpointError, Integrator, RenderError, RenderReport, Settings, render_on};
+use caustic_renderer::{
+    Checkpoint, CheckpointError, Given, Integrator, PhotonFile, RenderError, RenderReport, Settings, render_on,
+};
 use std::path::Path;
 
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     output::check_path(&arguments.output).map_err(Failure::input)?;
+    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
+    if arguments.denoise && !can_denoise() {
+        return Err(Failure::input(OutputError::NoDenoiser));
+    }
     let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
-    let settings = settings(arguments, &scene);
+    let file = arguments.load_map.as_deref().map(PhotonFile::read).transpose().map_err(Failure::input)?;
+    let settings = settings(arguments, &scene, file.as_ref());
+    let asked = layers(&arguments.aov);
+    if let Some(layer) = asked.first().filter(|_| Format::of(&arguments.output) != Ok(Format::Exr)) {
+        let path = arguments.output.clone();
+        return Err(Failure::input(OutputError::NoLayers { path, layer: layer.name() }));
+    }
+    if let Some(file) = &file {
+        file.check_scene(&scene).map_err(Failure::input)?;
+    }
     settings.validate().map_err(|error| failure(&error))?;
     let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
     if !arguments.quiet {
@@ -30,27 +45,35 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     };
     let how = &arguments.how;
     let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint::new(path, &scene, &settings, device.is_exact()));
-    let mut start = None;
+    let mut given = Given { passes: None, photons: file.as_ref() };
     if let Some(checkpoint) = &checkpoint {
         let begun = if how.resume { checkpoint.load().map(Some) } else { checkpoint.begin().map(|()| None) };
-        start = begun.map_err(|error| checkpoint_failure(&error))?;
+        given.passes = begun.map_err(|error| checkpoint_failure(&error))?;
     }
+    let plain = Extras { display, ..Extras::default() };
     let progress = &mut |progress| monitor.show(progress);
-    let rendered = render_on(&scene, &settings, &device, start, progress, &mut |state| {
+    let rendered = render_on(&scene, &settings, &device, given, progress, &mut |state| {
         let kept = |error: &dyn std::fmt::Display| RenderError::AfterPass(error.to_string());
         if let Some(checkpoint) = &checkpoint {
             checkpoint.save(state).map_err(|error| kept(&error))?;
         }
         // A picture to look at while it gets better; the last pass is written at the end in any case.
         if state.passes.is_power_of_two() && settings.stop.passes != Some(state.passes) && !single(&settings) {
-            output::write(&arguments.output, &state.image(), &metadata(state.passes)).map_err(|error| kept(&error))?;
+            let written = output::write_with(&arguments.output, &state.image(), &metadata(state.passes), &plain);
+            written.map_err(|error| kept(&error))?;
         }
         Ok(())
     });
     monitor.finish();
-    let rendered = rendered.map_err(|error| failure(&error))?;
-    let metadata = metadata(rendered.report.passes);
-    output::write(&arguments.output, &rendered.image, &metadata).map_err(Failure::machine)?;
+    let mut rendered = rendered.map_err(|error| failure(&error))?;
+    let mut metadata = metadata(rendered.report.passes);
+    if arguments.denoise {
+        rendered.image = output::denoise(&rendered.image, &rendered.layers).map_err(Failure::machine)?;
+        metadata.settings.push(("denoiser".to_string(), "OpenImageDenoise".to_string()));
+    }
+    rendered.layers.retain(|layer| asked.contains(&layer.kind));
+    let extras = Extras { layers: &rendered.layers, ..plain };
+    output::write_with(&arguments.output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
     if !arguments.quiet {
         tell(&rendered.report, &arguments.output);
     }
@@ -66,12 +89,15 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 }
 
 /// The settings of the scene, with those of the command line in their place where given.
-fn settings(arguments: &RenderArguments, scene: &Scene) -> Settings {
+fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile>) -> Settings {
     let defaults = Settings::of(scene);
     Settings {
         size: arguments.size.unwrap_or(defaults.size),
-        photons: arguments.photons.unwrap_or(defaults.photons),
-        caustic_photons: arguments.caustic_photons.unwrap_or(defaults.caustic_photons),
+        photons: file.map(|file| file.header.photons).or(arguments.photons).unwrap_or(defaults.photons),
+        caustic_photons: file
+            .map(|file| file.header.caustic_photons)
+            .or(arguments.caustic_photons)
+            .unwrap_or(defaults.caustic_photons),
         k: arguments.k.unwrap_or(defaults.k),
         radius: match arguments.radius {
             Some(RadiusArgument::Metres(radius)) => radius,
@@ -81,7 +107,7 @@ fn settings(arguments: &RenderArguments, scene: &Scene) -> Settings {
         hash: arguments.hash.into(),
         gather: arguments.gather.into(),
         spp: arguments.spp.unwrap_or(defaults.spp),
-        seed: arguments.seed,
+        seed: arguments.seed.or(file.map(|file| file.header.seed)).unwrap_or_default(),
         show: arguments.show.into(),
         integrator: arguments.how.integrator.into(),
         filter: arguments.how.filter.into(),
@@ -89,6 +115,8 @@ fn settings(arguments: &RenderArguments, scene: &Scene) -> Settings {
         alpha: arguments.how.alpha,
         final_gather: arguments.how.final_gather,
         stop: arguments.how.stop(),
+        layers: wanted_layers(arguments),
+        health: arguments.json,
     }
 }
 
@@ -103,6 +131,15 @@ fn checkpoint_failure(error: &CheckpointError) -> Failure {
         CheckpointError::Read { .. } => Failure::machine(error),
         _ => Failure::input(error),
     }
+}
+
+/// The layers that the file or the denoiser needs.
+fn wanted_layers(arguments: &RenderArguments) -> Vec<LayerKind> {
+    let mut wanted = layers(&arguments.aov);
+    if arguments.denoise {
+        wanted.extend(DENOISER_LAYERS.iter().filter(|layer| !layers(&arguments.aov).contains(layer)));
+    }
+    wanted
 }
 
 /// What the image depends on. Device, hash and gather are left out: an exact image does not depend on them.

@@ -5,6 +5,7 @@ use crate::args::VerifyArguments;
 use crate::progress::Monitor;
 use crate::render::failure;
 use caustic_device::{Device, DeviceChoice, Difference, Error, Kernel, Precision};
+use caustic_renderer::scene::suggestion;
 use caustic_renderer::{Verification, verify};
 use std::time::{SystemTime, UNIX_EPOCH};
 
@@ -63,7 +64,8 @@ fn outcome(found: &Verification) -> Result<(), Failure> {
 fn stage(name: &str) -> Result<Kernel, Failure> {
     Kernel::named(name).ok_or_else(|| {
         let names: Vec<_> = Kernel::ALL.iter().map(|kernel| kernel.entry_point()).collect();
-        Failure::input(format!("--gpu-from {name}: there is no such stage; the stages are {}", names.join(", ")))
+        let meant = suggestion(name, names.iter().copied());
+        Failure::input(format!("--gpu-from {name}: there is no such stage{meant}; the stages are {}", names.join(", ")))
     })
 }
 

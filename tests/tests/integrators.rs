@@ -4,7 +4,7 @@ use caustic_device::Device;
 use caustic_photon_map::{Filter, Hash, Surface};
 use caustic_renderer::output::Image;
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{Integrator, ProgressState, Rendered, Settings, Show, Stop, render_on};
+use caustic_renderer::{Given, Integrator, ProgressState, Rendered, Settings, Show, Stop, render_on};
 use caustic_tests::renders::*;
 use caustic_tests::{assert_same_words, gpu};
 use std::f64::consts::PI;
@@ -142,7 +142,7 @@ fn mse(alpha: f32, passes_wanted: [u32; 2]) -> [f64; 2] {
             ..small(&scene)
         };
         let mut first = 0.0;
-        let last = render_on(&scene, &settings, &Device::cpu(), None, &mut |_| true, &mut |state| {
+        let last = render_on(&scene, &settings, &Device::cpu(), Given::default(), &mut |_| true, &mut |state| {
             if state.passes == passes_wanted[0] {
                 first = error(&state.image());
             }
@@ -182,10 +182,18 @@ fn a_render_that_goes_on_has_the_bits_of_one_that_never_stopped() {
             kept = Some(state.clone());
             Ok(())
         };
-        render_on(&scene, &settings(2), &Device::cpu(), None, &mut |_| true, &mut keep).unwrap();
+        render_on(&scene, &settings(2), &Device::cpu(), Given::default(), &mut |_| true, &mut keep).unwrap();
         let start = kept.take();
         assert_eq!(start.as_ref().map(|state| state.passes), Some(2));
-        let went_on = render_on(&scene, &settings(5), &Device::cpu(), start, &mut |_| true, &mut |_| Ok(())).unwrap();
+        let went_on = render_on(
+            &scene,
+            &settings(5),
+            &Device::cpu(),
+            Given { passes: start, ..Given::default() },
+            &mut |_| true,
+            &mut |_| Ok(()),
+        )
+        .unwrap();
         assert_same_words("went on", floats(&whole.image), floats(&went_on.image));
         assert_eq!((whole.report.passes, went_on.report.passes), (5, 5));
         assert_eq!(whole.report.photons_emitted, went_on.report.photons_emitted);
@@ -197,11 +205,12 @@ fn an_interrupted_render_keeps_the_passes_that_are_finished() {
     let scene = load("cornell");
     let settings = Settings { integrator: Integrator::Progressive, stop: passes(1000), ..small(&scene) };
     let done = std::cell::Cell::new(0);
-    let stopped = render_on(&scene, &settings, &Device::cpu(), None, &mut |_| done.get() < 3, &mut |state| {
-        done.set(state.passes);
-        Ok(())
-    });
-    let Rendered { image: stopped, report } = stopped.unwrap();
+    let stopped =
+        render_on(&scene, &settings, &Device::cpu(), Given::default(), &mut |_| done.get() < 3, &mut |state| {
+            done.set(state.passes);
+            Ok(())
+        });
+    let Rendered { image: stopped, report, .. } = stopped.unwrap();
     assert_eq!((report.passes, report.complete, report.stopped_by), (3, false, "interrupted"));
     let three = image(&scene, &Settings { stop: passes(3), ..settings }, &Device::cpu());
     assert_same_words("three passes", floats(&stopped), floats(&three));

@@ -9,8 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LedgerBlock, LedgerPass, LedgerSum, Light, Material,
-    PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LayerPixel, LedgerBlock, LedgerPass, LedgerSum, Light,
+    Material, PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -69,9 +69,10 @@ records! {
     LedgerBlock: "uu",
     LedgerSum: "fffffffffffffffffuu",
     Camera: "fffufffufffffffffffff",
-    Vertex: "fffuffffffu",
+    Vertex: "fffuffffffuf",
     FilmTile: "uuuu",
     GatherTile: "uuuuu",
+    LayerPixel: "ffffffffffffffffffff",
     Pixel: "fffuuuuu",
     // Bits of operands and results, NaN among them.
     Arithmetic: "uuuuuuuuuuuuuuuuuu",

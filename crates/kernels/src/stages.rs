@@ -353,6 +353,11 @@ macro_rules! stages {
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
                 4 caustic: In Irradiance, 5 film: Out Pixel
             ) = trace::develop_film;
+            each DevelopLayers = develop_layers [64] (
+                0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
+                4 caustic: In Irradiance, 5 global_reach: In Reach, 6 caustic_reach: In Reach,
+                7 layers: Out LayerPixel
+            ) = trace::develop_layers;
 
             each ProbeArithmetic = probe_arithmetic [64] (
                 0 params: One ArithmeticParams, 1 results: Out Arithmetic
@@ -390,7 +395,7 @@ macro_rules! stages {
             ) = probe::layout_ledger;
             each LayoutFilm = layout_film [64] (
                 0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,
-                5 gather: In GatherTile, 6 words: Out u32
+                5 gather: In GatherTile, 6 layers: In LayerPixel, 7 words: Out u32
             ) = probe::layout_film;
         }
     };

@@ -19,12 +19,14 @@
 mod crowding;
 mod error;
 mod grid;
+mod health;
 mod map;
 mod options;
 mod sort;
 
 pub use error::MapError;
 pub use grid::{MAX_TABLE, RADII, bounds, plan_grid, rows};
+pub use health::Health;
 pub use map::{Estimate, Filter, Neighbours, PhotonMap, Seen, Surface, query_count, sample, whole};
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use sort::{RadixSort, scan};

@@ -2,7 +2,7 @@
 
 use crate::output::Image;
 use caustic_kernels::num::pcg4d;
-use caustic_kernels::trace::Pixel;
+use caustic_kernels::trace::{LayerPixel, Pixel};
 
 /// Key with which the seeds of passes are drawn.
 const PASS_KEY: u32 = 0x9a55_0000;
@@ -29,19 +29,29 @@ pub struct ProgressState {
     pub sum: Vec<[f64; 3]>,
     /// Sum of their squares.
     pub squares: Vec<[f64; 3]>,
+    /// Sum of the layers of all passes, the words of a [`LayerPixel`] each; empty if there are none.
+    pub layers: Vec<[f64; LAYER_WORDS]>,
 }
 
+/// Words of a [`LayerPixel`].
+pub const LAYER_WORDS: usize = size_of::<LayerPixel>() / size_of::<f32>();
+
 impl ProgressState {
-    /// No pass yet.
+    /// No pass yet, of a picture with or without layers.
     #[must_use]
-    pub fn new(size: [u32; 2], first_radius: f32) -> Self {
+    pub fn new(size: [u32; 2], first_radius: f32, has_layers: bool) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
         let none = vec![[0.0; 3]; pixels];
-        Self { size, first_radius, sum: none.clone(), squares: none, ..Self::default() }
+        let layers = vec![[0.0; LAYER_WORDS]; if has_layers { pixels } else { 0 }];
+        Self { size, first_radius, sum: none.clone(), squares: none, layers, ..Self::default() }
     }
 
     /// Adds a pass.
-    pub(crate) fn add(&mut self, film: &[Pixel], photons: u64) {
+    pub(crate) fn add(&mut self, film: &[Pixel], layers: &[LayerPixel], photons: u64) {
+        for (sum, pixel) in self.layers.iter_mut().zip(layers) {
+            let words: [f32; LAYER_WORDS] = bytemuck::cast(*pixel);
+            sum.iter_mut().zip(words).for_each(|(sum, word)| *sum += f64::from(word));
+        }
         for ((sum, squares), pixel) in self.sum.iter_mut().zip(&mut self.squares).zip(film) {
             for channel in 0..3 {
                 let value = f64::from(pixel.rgb[channel]);
@@ -65,6 +75,13 @@ impl ProgressState {
         Image { width: self.size[0], height: self.size[1], rgb }
     }
 
+    /// The layers so far: the mean of the passes.
+    #[must_use]
+    pub(crate) fn layer_pixels(&self) -> Vec<LayerPixel> {
+        let n = f64::from(self.passes.max(1));
+        self.layers.iter().map(|sum| bytemuck::cast(sum.map(|value| (value / n) as f32))).collect()
+    }
+
     /// Variance of the picture: s²/n of each value, s² being the variance of the passes; nothing before the second pass. Progressive
     /// passes have shrinking radii, so that their scatter is a little more than noise.
     #[must_use]
@@ -76,6 +93,12 @@ impl ProgressState {
         let variance = |sum: f64, squares: f64| ((squares - sum * sum / n) / (n - 1.0) / n).max(0.0);
         let pixels = self.sum.iter().zip(&self.squares);
         Some(pixels.map(|(sum, squares)| std::array::from_fn(|c| variance(sum[c], squares[c]))).collect())
+    }
+
+    /// [`variance`](Self::variance) as a layer; 0 before the second pass.
+    pub(crate) fn variance_layer(&self) -> Vec<f32> {
+        let variance = self.variance().unwrap_or_else(|| vec![[0.0; 3]; self.sum.len()]);
+        variance.as_flattened().iter().map(|&value| value as f32).collect()
     }
 
     /// Estimate of how noisy the picture is: the relMSE that its variance alone would give against a perfect one, the mean of
@@ -116,10 +139,10 @@ mod tests {
 
     #[test]
     fn a_picture_is_the_mean_of_its_passes_and_its_variance_that_of_a_mean() {
-        let mut state = ProgressState::new([2, 1], 0.1);
+        let mut state = ProgressState::new([2, 1], 0.1, false);
         assert_eq!(state.image().rgb, [[0.0; 3]; 2]);
         for value in [1.0, 2.0, 6.0] {
-            state.add(&film(value), 10);
+            state.add(&film(value), &[], 10);
         }
         assert_eq!(state.image().rgb, [[3.0, 6.0, 0.0]; 2]);
         // The passes scatter by s² = 7, over 3 passes.
@@ -132,8 +155,8 @@ mod tests {
 
     #[test]
     fn one_pass_is_the_picture_and_has_no_variance() {
-        let mut state = ProgressState::new([2, 1], 0.1);
-        state.add(&film(0.123_456_7), 1);
+        let mut state = ProgressState::new([2, 1], 0.1, false);
+        state.add(&film(0.123_456_7), &[], 1);
         assert_eq!(state.image().rgb[0], [0.123_456_7, 2.0 * 0.123_456_7, 0.0]);
         assert!(state.variance().is_none() && state.noise().is_none());
     }

@@ -4,10 +4,10 @@
 //! `name=value` each), the numbers of the state in little-endian order, and the SHA-256 of all that. It is written beside its place, brought to
 //! the disk and renamed, so that there is always a whole one: whenever the program is killed, at most the pass in flight is lost.
 
-use crate::accumulate::ProgressState;
+use crate::accumulate::{LAYER_WORDS, ProgressState};
 use crate::output::OutputError;
 use crate::output::place;
-use crate::scene::Scene;
+use crate::scene::{Scene, hex};
 use crate::{Integrator, Settings};
 use sha2::{Digest, Sha256};
 use std::fs;
@@ -156,8 +156,8 @@ impl Checkpoint {
             [state.size[0], state.size[1], state.passes, state.first_radius.to_bits()].map(u32::to_le_bytes).concat(),
         );
         bytes.extend([state.photons, state.rays, state.lost, state.not_finite].map(u64::to_le_bytes).concat());
-        for values in [&state.sum, &state.squares] {
-            bytes.extend(values.as_flattened().iter().flat_map(|value| value.to_le_bytes()));
+        for values in [state.sum.as_flattened(), state.squares.as_flattened(), state.layers.as_flattened()] {
+            bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
         }
         let sum = Sha256::digest(&bytes);
         bytes.extend(sum);
@@ -189,41 +189,40 @@ impl<'a> Reader<'a> {
         let [photons, rays, lost, not_finite] = [self.u64()?, self.u64()?, self.u64()?, self.u64()?];
         let pixels = usize::try_from(u64::from(size[0]) * u64::from(size[1])).ok()?;
         // Before room is made for them.
-        if self.0.len() != pixels.checked_mul(2 * 3 * 8)? {
+        let light = pixels.checked_mul(2 * 3 * 8)?;
+        let has_layers = self.0.len() != light;
+        if has_layers && self.0.len() != light.checked_add(pixels.checked_mul(LAYER_WORDS * 8)?)? {
             return None;
         }
-        let mut values = || -> Option<Vec<[f64; 3]>> {
-            let bytes = self.take(pixels * 3 * 8)?;
-            let value = |bytes: &[u8]| f64::from_le_bytes(std::array::from_fn(|i| bytes[i]));
-            Some(bytes.chunks_exact(24).map(|pixel| std::array::from_fn(|c| value(&pixel[8 * c..]))).collect())
-        };
-        let (sum, squares) = (values()?, values()?);
-        Some(ProgressState { size, passes, first_radius, photons, rays, lost, not_finite, sum, squares })
+        let (sum, squares) = (self.values(pixels)?, self.values(pixels)?);
+        let layers = self.values(if has_layers { pixels } else { 0 })?;
+        Some(ProgressState { size, passes, first_radius, photons, rays, lost, not_finite, sum, squares, layers })
+    }
+
+    /// `N` numbers for each pixel.
+    fn values<const N: usize>(&mut self, pixels: usize) -> Option<Vec<[f64; N]>> {
+        let bytes = self.take(pixels.checked_mul(N * 8)?)?;
+        let value = |bytes: &[u8]| f64::from_le_bytes(std::array::from_fn(|i| bytes[i]));
+        Some(bytes.chunks_exact(N * 8).map(|pixel| std::array::from_fn(|c| value(&pixel[8 * c..]))).collect())
     }
 }
 
 /// Everything that the bits of a pass depend on. Hash and gather are not among it, and of the stops none.
 fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(String, String)> {
     let [width, height] = settings.size;
-    let compiled = scene.compile();
-    let mut hash = Sha256::new();
-    hash.update(bytemuck::bytes_of(&compiled.info));
-    hash.update(bytemuck::bytes_of(&scene.camera(width, height)));
-    hash.update(bytemuck::cast_slice::<_, u8>(&compiled.primitives));
-    hash.update(bytemuck::cast_slice::<_, u8>(&compiled.materials));
-    hash.update(bytemuck::cast_slice::<_, u8>(&compiled.lights));
-    hash.update(bytemuck::cast_slice::<_, u8>(&compiled.targets));
-    let scene_hash = hash.finalize().iter().fold(String::new(), |text, byte| format!("{text}{byte:02x}"));
+    let camera = hex(&Sha256::digest(bytemuck::bytes_of(&scene.camera(width, height))));
     let radius = if settings.automatic_radius { "auto".to_string() } else { settings.radius.to_string() };
     let mut identity = vec![
         ("version", env!("CARGO_PKG_VERSION").to_string()),
         ("precision", if exact { "exact" } else { "fast" }.to_string()),
-        ("scene", scene_hash),
+        ("scene", scene.compile().sha256()),
+        ("camera", camera),
         ("size", format!("{width}x{height}")),
         ("seed", settings.seed.to_string()),
         ("integrator", format!("{:?}", settings.integrator).to_lowercase()),
         ("show", format!("{:?}", settings.show).to_lowercase()),
         ("spp", settings.spp.to_string()),
+        ("layers", if settings.needs_layers() { "some" } else { "none" }.to_string()),
     ];
     if matches!(settings.integrator, Integrator::Photon | Integrator::Progressive) {
         identity.extend([
@@ -265,6 +264,7 @@ mod tests {
             not_finite: 1,
             sum: (0..6).map(value).collect(),
             squares: (6..12).map(value).collect(),
+            layers: (0..6).map(|i| std::array::from_fn(|word| (i * LAYER_WORDS + word) as f64 / 7.0)).collect(),
         }
     }
 
@@ -276,6 +276,9 @@ mod tests {
         checkpoint.begin().unwrap();
         checkpoint.save(&state()).unwrap();
         assert_eq!(checkpoint.load().unwrap(), state());
+        let plain = ProgressState { layers: Vec::new(), ..state() };
+        checkpoint.save(&plain).unwrap();
+        assert_eq!(checkpoint.load().unwrap(), plain);
         assert!(matches!(checkpoint.begin(), Err(CheckpointError::Exists { .. })));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left behind");
     }

@@ -1,5 +1,6 @@
 //! What can go wrong in a render.
 
+use crate::photon_file::PhotonFileError;
 use caustic_photon_map::MapError;
 
 /// An error of a render, in one sentence with the remedy.
@@ -62,6 +63,27 @@ pub enum RenderError {
     /// What is done after a pass went wrong.
     #[error("{0}")]
     AfterPass(String),
+    /// A file of photons lacks a map.
+    #[error(
+        "`{file}` does not hold the photons of the {map} map that this picture needs; write it with `caustic photons` and the same --show"
+    )]
+    NotInFile {
+        /// The file.
+        file: String,
+        /// The map.
+        map: &'static str,
+    },
+    /// A layer that the picture cannot have.
+    #[error("the layer `{layer}` is not there: {reason}")]
+    NoLayer {
+        /// The layer.
+        layer: &'static str,
+        /// Why, and what to do.
+        reason: &'static str,
+    },
+    /// A file of photons is not to be used.
+    #[error(transparent)]
+    PhotonFile(#[from] PhotonFileError),
     /// The photon map refused its input.
     #[error(transparent)]
     Map(#[from] MapError),

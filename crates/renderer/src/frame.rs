@@ -2,15 +2,19 @@
 
 use crate::buffers::SceneBuffers;
 use crate::ledger;
+use crate::output::LayerKind;
 use crate::pace::Pace;
+use crate::photon_file::PhotonFile;
 use crate::photons::{PassKind, photon_map};
 use crate::report::{MapReport, Progress};
 use crate::scene::{CompiledScene, Scene};
 use crate::{Integrator, RenderError, Settings};
 use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_kernels::gather::Reach;
 use caustic_kernels::layout::{Irradiance, Query};
 use caustic_kernels::trace::{
-    Camera, CameraTile, FilmTile, GatherTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, RAY_CAUSTIC, Vertex,
+    Camera, CameraTile, FilmTile, GatherTile, LayerPixel, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_REACH, Pixel,
+    Vertex,
 };
 use caustic_photon_map::{PhotonMap, Seen};
 
@@ -26,12 +30,17 @@ pub(crate) struct Frame<'a> {
     pub(crate) compiled: &'a CompiledScene,
     pub(crate) buffers: &'a SceneBuffers,
     pub(crate) settings: &'a Settings,
+    /// Photons that need not be traced.
+    pub(crate) photons: Option<&'a PhotonFile>,
     pub(crate) camera: Buffer,
 }
 
 /// A finished pass.
+#[derive(Default)]
 pub(crate) struct Pass {
     pub(crate) film: Vec<Pixel>,
+    /// Its layers; empty if none are asked for.
+    pub(crate) layers: Vec<LayerPixel>,
     /// Whether the film is whole.
     pub(crate) complete: bool,
     pub(crate) maps: Vec<MapReport>,
@@ -47,26 +56,11 @@ impl<'a> Frame<'a> {
         compiled: &'a CompiledScene,
         buffers: &'a SceneBuffers,
         settings: &'a Settings,
+        photons: Option<&'a PhotonFile>,
     ) -> Result<Self, RenderError> {
         let [width, height] = settings.size;
         let camera = device.upload::<Camera>("camera", &[scene.camera(width, height)])?;
-        Ok(Self { device, scene, compiled, buffers, settings, camera })
-    }
-
-    /// The global map, if it is wanted.
-    pub(crate) fn global_pass(&self) -> Option<PassKind> {
-        let Settings { photons, show, final_gather, .. } = *self.settings;
-        let wanted = self.settings.parts() & PART_GLOBAL != 0;
-        wanted.then(|| PassKind::global(photons, show, final_gather > 0))
-    }
-
-    /// The caustic map, if it is wanted and there can be one.
-    pub(crate) fn caustic_pass(&self) -> Option<PassKind> {
-        let Settings { caustic_photons, show, .. } = *self.settings;
-        let wanted = self.settings.parts() & PART_CAUSTIC != 0;
-        let aimed = self.compiled.has_specular && self.compiled.fewest_photons(RAY_CAUSTIC) > 0;
-        let possible = wanted && aimed && caustic_photons > 0;
-        possible.then(|| PassKind::caustic(caustic_photons, show))
+        Ok(Self { device, scene, compiled, buffers, settings, photons, camera })
     }
 
     /// Renders a pass with a seed and a radius of its own.
@@ -76,14 +70,14 @@ impl<'a> Frame<'a> {
         radius: f32,
         progress: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Pass, RenderError> {
-        let mut pass =
-            Pass { film: Vec::new(), complete: false, maps: Vec::new(), notes: Vec::new(), problems: Vec::new() };
-        let global = self.map(self.global_pass(), seed, radius, &mut pass, progress)?;
-        let caustic = self.map(self.caustic_pass(), seed, radius, &mut pass, progress)?;
+        let mut pass = Pass::default();
+        let [global, caustic] = PassKind::of(self.settings, self.compiled);
+        let global = self.map(global, seed, radius, &mut pass, progress)?;
+        let caustic = self.map(caustic, seed, radius, &mut pass, progress)?;
         if self.settings.parts() & PART_CAUSTIC != 0 && !self.compiled.has_specular {
             pass.notes.push("no caustic map: nothing in the scene is specular".to_string());
         }
-        (pass.film, pass.complete) = self.film(seed, global.as_ref(), caustic.as_ref(), progress)?;
+        self.film(seed, global.as_ref(), caustic.as_ref(), &mut pass, progress)?;
         Ok(pass)
     }
 
@@ -98,7 +92,7 @@ impl<'a> Frame<'a> {
         let Some(kind) = kind else { return Ok(None) };
         let Self { device, compiled, buffers, settings, .. } = *self;
         let settings = Settings { seed, radius, ..settings.clone() };
-        let (map, report) = photon_map(device, compiled, buffers, &settings, &kind, progress)?;
+        let (map, report) = photon_map(device, compiled, buffers, &settings, &kind, self.photons, progress)?;
         if map.is_none() {
             pass.notes.push(format!("the {} map is empty: no such light was found", kind.map));
         }
@@ -111,14 +105,15 @@ impl<'a> Frame<'a> {
         Ok(map)
     }
 
-    /// Renders the film and returns it with whether it is whole.
+    /// Renders the film and its layers.
     fn film(
         &self,
         seed: u32,
         global: Option<&PhotonMap>,
         caustic: Option<&PhotonMap>,
+        pass: &mut Pass,
         progress: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<(Vec<Pixel>, bool), RenderError> {
+    ) -> Result<(), RenderError> {
         let Self { device, settings, .. } = *self;
         let [width, height] = settings.size;
         let pixels = width * height;
@@ -126,12 +121,15 @@ impl<'a> Frame<'a> {
         let mut parts = settings.parts();
         parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
         parts &= !if caustic.is_none() { PART_CAUSTIC } else { 0 };
+        parts |= if settings.layers.contains(&LayerKind::Radius) { PART_REACH } else { 0 };
         let tiles = Tiles {
             camera: device.scratch::<CameraTile>("camera tile", 1)?,
             gather: device.scratch::<GatherTile>("camera tile of gather", 1)?,
             film: device.scratch::<FilmTile>("camera tile of film", 1)?,
         };
         let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
+        let layer_pixels = if settings.needs_layers() { u64::from(pixels) } else { 0 };
+        let layers = device.buffer::<LayerPixel>("layers", layer_pixels)?;
         let maps = [global, caustic];
         let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
         // A sample is as much work as the rays that it sends out.
@@ -149,7 +147,7 @@ impl<'a> Frame<'a> {
             if plan.0 != tile_pixels {
                 // The last one's buffers go first.
                 plan.1 = Plan::new();
-                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, &tiles, &film)?);
+                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, &tiles, [&film, &layers])?);
             }
             let pixels = tile_pixels.min(pixels - first_pixel);
             let rays = settings.final_gather;
@@ -159,7 +157,10 @@ impl<'a> Frame<'a> {
             pace.run(|| device.run(&plan.1))?;
             first_pixel += pixels;
         }
-        Ok((device.read(&film, u64::from(pixels))?, complete))
+        pass.film = device.read(&film, u64::from(pixels))?;
+        pass.layers = device.read(&layers, layer_pixels)?;
+        pass.complete = complete;
+        Ok(())
     }
 
     /// The stages of one tile. Only those whose part is wanted are in it.
@@ -169,7 +170,7 @@ impl<'a> Frame<'a> {
         parts: u32,
         maps: [Option<&PhotonMap>; 2],
         tiles: &Tiles,
-        film: &Buffer,
+        [film, layers]: [&Buffer; 2],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, ref camera, .. } = *self;
         let SceneBuffers { kernels, info, nodes, primitives, materials, lights, .. } = self.buffers;
@@ -195,6 +196,7 @@ impl<'a> Frame<'a> {
             );
         }
         let mut estimates = Vec::new();
+        let mut reaches = Vec::new();
         for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {
             let estimate = device.scratch::<Irradiance>(name, records(map.is_some()))?;
             if let Some(map) = map {
@@ -206,9 +208,18 @@ impl<'a> Frame<'a> {
                 }
             }
             estimates.push(estimate);
+            reaches.push(match map.filter(|_| parts & PART_REACH != 0) {
+                Some(map) => map.plan_reaches(device, &mut plan, &queries, samples, settings.k)?,
+                None => device.scratch::<Reach>("reaches", 0)?,
+            });
         }
         plan.scope("image");
-        plan.each(Kernel::DevelopFilm, pixels, &[&tiles.film, &vertices, &direct, &estimates[0], &estimates[1], film]);
+        let light = [&vertices, &direct, &estimates[0], &estimates[1]];
+        plan.each(Kernel::DevelopFilm, pixels, &[&[&tiles.film], &light[..], &[film]].concat());
+        if settings.needs_layers() {
+            let reaches = [&reaches[0], &reaches[1], layers];
+            plan.each(Kernel::DevelopLayers, pixels, &[&[&tiles.film], &light[..], &reaches].concat());
+        }
         Ok(plan)
     }
 

@@ -3,13 +3,16 @@
 use crate::buffers::SceneBuffers;
 use crate::ledger::Books;
 use crate::pace::Pace;
+use crate::photon_file::PhotonFile;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
 use crate::{RenderError, Settings, Show};
 use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally};
+use caustic_kernels::trace::{
+    FATE_CUT, FATE_LANDED, PART_CAUSTIC, PART_GLOBAL, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally,
+};
 use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
@@ -40,6 +43,18 @@ pub(crate) struct PassKind {
 }
 
 impl PassKind {
+    /// The passes that a picture needs: of the global map and of the caustic one, if it is wanted and there can be one.
+    pub(crate) fn of(settings: &Settings, scene: &CompiledScene) -> [Option<Self>; 2] {
+        let Settings { photons, caustic_photons, show, final_gather, .. } = *settings;
+        let wanted = |part: u32| settings.parts() & part != 0;
+        let aimed = scene.has_specular && scene.fewest_photons(RAY_CAUSTIC) > 0;
+        let caustic = wanted(PART_CAUSTIC) && aimed && caustic_photons > 0;
+        [
+            wanted(PART_GLOBAL).then(|| Self::global(photons, show, final_gather > 0)),
+            caustic.then(|| Self::caustic(caustic_photons, show)),
+        ]
+    }
+
     /// Direct light comes from shadow rays, so the global map of a picture holds only what was reflected before; shown by
     /// itself, it holds all, as it does for a final gather, whose rays see direct light as well.
     pub(crate) fn global(emitted: u32, show: Show, gathered: bool) -> Self {
@@ -68,16 +83,20 @@ impl PassKind {
     }
 }
 
-/// Traces the photons of a pass and builds their map. There is no map if nothing was stored.
+/// Traces the photons of a pass, or takes them from a file, and builds their map. There is no map if nothing was stored.
 pub(crate) fn photon_map(
     device: &Device,
     scene: &CompiledScene,
     buffers: &SceneBuffers,
     settings: &Settings,
     kind: &PassKind,
+    file: Option<&PhotonFile>,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<PhotonMap>, MapReport), RenderError> {
-    let (photons, mut report) = trace(device, scene, buffers, settings.seed, kind, progress)?;
+    let (photons, mut report) = match file {
+        Some(file) => file.upload(device, kind)?,
+        None => trace(device, scene, buffers, settings.seed, kind, progress)?,
+    };
     let Some(unsorted) = photons else { return Ok((None, report)) };
     let stored = u64::from(report.photons_stored);
     let (low, high) = scene.diffuse_bounds;
@@ -93,6 +112,9 @@ pub(crate) fn photon_map(
     device.run(&plan)?;
     report.table_entries = grid.table;
     report.bytes = map.bytes();
+    if settings.health {
+        report.health = Some(map.health(device)?);
+    }
     Ok((Some(map), report))
 }
 
@@ -116,16 +138,7 @@ pub(crate) fn trace(
     let lights = scene.lights_for(emitted, kind.rays);
     let light_buffer = device.upload("lights of a pass", &lights)?;
     let mut books = Books::new(lights.len());
-    let mut report = MapReport {
-        map: kind.map,
-        photons_emitted: emitted,
-        photons_stored: 0,
-        segments: 0,
-        paths_cut: 0,
-        ledger: Vec::new(),
-        table_entries: 0,
-        bytes: 0,
-    };
+    let mut report = MapReport::new(kind.map, emitted);
     let counts = device.scratch::<u32>("photon counts", u64::from(emitted))?;
     let total = 2 * u64::from(emitted);
     let mut tick = |done: u32, times: u64| {

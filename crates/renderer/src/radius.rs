@@ -1,7 +1,7 @@
 //! The radius of the first pass.
 
 use crate::frame::Frame;
-use crate::photons::{sample, trace};
+use crate::photons::{PassKind, sample, trace};
 use crate::report::Progress;
 use crate::{Integrator, RenderError, Settings, View};
 use caustic_device::Plan;
@@ -24,7 +24,8 @@ pub(crate) fn find_radius(
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(f32, Option<String>), RenderError> {
     let Settings { radius, automatic_radius, k, seed, integrator, hash, .. } = *frame.settings;
-    let Some(kind) = frame.global_pass().or_else(|| frame.caustic_pass()).filter(|_| automatic_radius) else {
+    let first = PassKind::of(frame.settings, frame.compiled).into_iter().flatten().next();
+    let Some(kind) = first.filter(|_| automatic_radius) else {
         return Ok((radius, None));
     };
     let device = frame.device;

@@ -2,8 +2,9 @@
 
 use crate::accumulate::{ProgressState, pass_radius, pass_seed};
 use crate::buffers::SceneBuffers;
-use crate::frame::{Frame, Pass};
-use crate::output::Image;
+use crate::frame::Frame;
+use crate::output::{Image, Layer, LayerKind};
+use crate::photon_file::PhotonFile;
 use crate::radius::find_radius;
 use crate::report::{Progress, RenderReport};
 use crate::scene::Scene;
@@ -17,6 +18,8 @@ use std::time::Instant;
 pub struct Rendered {
     /// The image: radiance, W·sr⁻¹·m⁻².
     pub image: Image,
+    /// The layers that the settings ask for, in their order.
+    pub layers: Vec<Layer>,
     /// What the render did.
     pub report: RenderReport,
 }
@@ -32,40 +35,58 @@ pub fn render(
     device: &Device,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Rendered, RenderError> {
-    render_on(scene, settings, device, None, progress, &mut |_| Ok(()))
+    render_on(scene, settings, device, Given::default(), progress, &mut |_| Ok(()))
 }
 
-/// [`render`] that goes on from the passes in `start`, if any, and hands what there is after each pass to `after`. A render that goes on
-/// gives the bits of one that was never stopped, if scene and settings but for [`Settings::stop`] are the same.
+/// What a render need not do itself.
+#[derive(Default)]
+pub struct Given<'a> {
+    /// Passes to go on from. A render that goes on gives the bits of one that was never stopped, if scene and settings but for
+    /// [`Settings::stop`] are the same.
+    pub passes: Option<ProgressState>,
+    /// Photons to use instead of traced ones: those of one pass.
+    pub photons: Option<&'a PhotonFile>,
+}
+
+/// [`render`] from what is given, that hands what there is after each pass to `after`.
 ///
 /// # Errors
 /// All of [`RenderError`], and those of `after`.
 ///
 /// # Panics
-/// If `start` has another size than the picture.
+/// If the passes that are given have another size than the picture, or others layers.
 pub fn render_on(
     scene: &Scene,
     settings: &Settings,
     device: &Device,
-    start: Option<ProgressState>,
+    given: Given<'_>,
     progress: &mut dyn FnMut(Progress) -> bool,
     after: &mut dyn FnMut(&ProgressState) -> Result<(), RenderError>,
 ) -> Result<Rendered, RenderError> {
     settings.validate()?;
+    if let Some(file) = given.photons {
+        file.check_scene(scene)?;
+        if settings.passes() != Some(1) {
+            let range = "1 with photons from a file, which are those of one pass".to_string();
+            let value = settings.passes().map_or("open".to_string(), |passes| passes.to_string());
+            return Err(RenderError::Setting { name: "passes", value, range });
+        }
+    }
     let clock = Instant::now();
     let compiled = scene.compile();
     let buffers = SceneBuffers::new(device, &compiled)?;
-    let frame = Frame::new(device, scene, &compiled, &buffers, settings)?;
+    let frame = Frame::new(device, scene, &compiled, &buffers, settings, given.photons)?;
     let mut notes = Vec::new();
-    let mut state = match start {
+    let mut state = match given.passes {
         Some(state) => {
             assert_eq!(state.size, settings.size, "the size of the passes");
+            assert_eq!(!state.layers.is_empty(), settings.needs_layers(), "layers of the passes");
             state
         }
         None => {
             let (radius, note) = find_radius(&frame, progress)?;
             notes.extend(note);
-            ProgressState::new(settings.size, radius)
+            ProgressState::new(settings.size, radius, settings.needs_layers())
         }
     };
     let radius_of = |state: &ProgressState| match settings.integrator {
@@ -87,7 +108,7 @@ pub fn render_on(
             Ok(pass) if pass.complete => {
                 check(device, &pass.film)?;
                 let emitted = pass.maps.iter().map(|map| u64::from(map.photons_emitted)).sum();
-                state.add(&pass.film, emitted);
+                state.add(&pass.film, &pass.layers, emitted);
                 maps = pass.maps;
                 problems.extend(pass.problems);
                 if state.passes == 1 {
@@ -97,11 +118,12 @@ pub fn render_on(
                 stopped_by = reached(settings, &state, &clock);
             }
             // Of the first pass there are rows to show.
-            Ok(Pass { film, notes: more, maps: built, problems: doubts, .. }) if state.passes == 0 => {
-                check(device, &film)?;
-                problems.extend(doubts);
-                (maps, partial) = (built, Some(film));
-                notes.extend(more);
+            Ok(mut pass) if state.passes == 0 => {
+                check(device, &pass.film)?;
+                problems.append(&mut pass.problems);
+                notes.append(&mut pass.notes);
+                maps = std::mem::take(&mut pass.maps);
+                partial = Some(pass);
                 stopped_by = Some("interrupted");
             }
             Err(RenderError::Interrupted) if state.passes == 0 => return Err(RenderError::Interrupted),
@@ -110,8 +132,8 @@ pub fn render_on(
         }
     }
     let mut shown = state.clone();
-    if let Some(film) = &partial {
-        shown.add(film, 0);
+    if let Some(pass) = &partial {
+        shown.add(&pass.film, &pass.layers, 0);
     }
     if shown.lost > 0 {
         notes.push(format!("{} camera paths were given up among mirrors and glass; they count as black", shown.lost));
@@ -125,6 +147,7 @@ pub fn render_on(
     let samples = [(shown.lost, "given up"), (shown.not_finite, "not finite")].into_iter();
     problems.extend(samples.filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} camera samples were {what}")));
     let image = shown.image();
+    let layers = layers(settings, &shown);
     let report = RenderReport {
         device: device.name(),
         complete: stopped_by != Some("interrupted"),
@@ -143,7 +166,17 @@ pub fn render_on(
         peak_bytes: device.total_bytes().1,
         mean_radiance: mean(&image),
     };
-    Ok(Rendered { image, report })
+    Ok(Rendered { image, layers, report })
+}
+
+/// The layers that the settings ask for.
+fn layers(settings: &Settings, state: &ProgressState) -> Vec<Layer> {
+    let pixels = state.layer_pixels();
+    let layer = |&kind: &LayerKind| match kind {
+        LayerKind::Variance => Layer { kind, values: state.variance_layer() },
+        _ => Layer::of(kind, &pixels),
+    };
+    settings.layers.iter().map(layer).collect()
 }
 
 /// Refuses a film that a device did not finish.

@@ -2,6 +2,7 @@
 
 use crate::LightLedger;
 use caustic_device::{BufferBytes, StageTime};
+use caustic_photon_map::Health;
 use serde::Serialize;
 
 /// How far a render is.
@@ -34,6 +35,26 @@ pub struct MapReport {
     pub table_entries: u32,
     /// Bytes of the finished map.
     pub bytes: u64,
+    /// How its photons lie in the table, if [`Settings::health`](crate::Settings::health) asks for it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub health: Option<Health>,
+}
+
+impl MapReport {
+    /// The report of a map for which nothing has been traced yet.
+    pub(crate) fn new(map: &'static str, photons_emitted: u32) -> Self {
+        Self {
+            map,
+            photons_emitted,
+            photons_stored: 0,
+            segments: 0,
+            paths_cut: 0,
+            ledger: Vec::new(),
+            table_entries: 0,
+            bytes: 0,
+            health: None,
+        }
+    }
 }
 
 /// What a render did.

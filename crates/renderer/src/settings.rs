@@ -1,6 +1,7 @@
 //! What a user can choose.
 
 use crate::RenderError;
+use crate::output::LayerKind;
 use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS};
@@ -109,6 +110,10 @@ pub struct Settings {
     pub final_gather: u32,
     /// When there are enough passes.
     pub stop: Stop,
+    /// Layers to make beside the picture, each once.
+    pub layers: Vec<LayerKind>,
+    /// Whether to look at how the photons lie in the maps' tables ([`MapReport::health`](crate::MapReport::health)): that reads them back.
+    pub health: bool,
 }
 
 /// Most pixels of an image.
@@ -137,6 +142,8 @@ impl Settings {
             alpha: 2.0 / 3.0,
             final_gather: 0,
             stop: Stop::default(),
+            layers: Vec::new(),
+            health: false,
         }
     }
 
@@ -183,6 +190,9 @@ impl Settings {
                 range: format!("1x1 to {MAX_SIDE}x{MAX_SIDE} with at most {MAX_PIXELS} pixels"),
             });
         }
+        for &layer in &self.layers {
+            self.check_layer(layer)?;
+        }
         whole("photons", self.photons, 1, MAX_PHOTONS)?;
         whole("caustic-photons", self.caustic_photons, 0, MAX_PHOTONS)?;
         whole("k", self.k, 1, MAX_K)?;
@@ -223,5 +233,37 @@ impl Settings {
             });
         }
         Ok(())
+    }
+
+    /// Whether pixels have layers of their own.
+    pub(crate) fn needs_layers(&self) -> bool {
+        self.layers.iter().any(|layer| LayerKind::OF_PHOTON_MAPS.contains(layer))
+    }
+
+    fn check_layer(&self, layer: LayerKind) -> Result<(), RenderError> {
+        let part = match layer {
+            LayerKind::Direct => PART_DIRECT,
+            LayerKind::Global => PART_GLOBAL,
+            LayerKind::Caustic => PART_CAUSTIC,
+            LayerKind::Radius | LayerKind::Photons => PART_GLOBAL | PART_CAUSTIC,
+            _ => u32::MAX,
+        };
+        let reason = if layer == LayerKind::Variance {
+            if self.passes() != Some(1) {
+                return Ok(());
+            }
+            "one pass does not know how much passes differ; use --passes 2 or more, or --integrator progressive"
+        } else if !LayerKind::OF_PHOTON_MAPS.contains(&layer) {
+            "no integrator estimates it yet; ask for other layers"
+        } else if self.integrator == Integrator::Path {
+            "the path tracer knows no more than its picture and its variance; use another integrator"
+        } else if self.parts() & part == 0 {
+            "the picture leaves out the light that it would tell of; use --show beauty and photon maps"
+        } else if self.final_gather > 0 && matches!(layer, LayerKind::Radius | LayerKind::Photons) {
+            "a final gather does not look at the global map where the camera looks; leave out --final-gather"
+        } else {
+            return Ok(());
+        };
+        Err(RenderError::NoLayer { layer: layer.name(), reason })
     }
 }

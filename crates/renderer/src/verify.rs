@@ -1,6 +1,7 @@
 //! Whether a GPU computes what the CPU computes: every kernel on random inputs, and small renders.
 
 use crate::crowd::{CROWD, crowd};
+use crate::output::LayerKind;
 use crate::scene::{BUILT_IN, Scene};
 use crate::{Integrator, Progress, RenderError, Settings, Show, render};
 use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, StageComparison};
@@ -161,6 +162,7 @@ fn small(scene: &Scene, hash: Hash, seed: u32) -> Settings {
         gather: Gather::Auto,
         seed,
         show: Show::Beauty,
+        layers: LayerKind::OF_PHOTON_MAPS.to_vec(),
         ..defaults
     }
 }

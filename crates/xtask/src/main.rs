@@ -1,6 +1,6 @@
 //! Developer tasks, run as `cargo xtask TASK`.
 //!
-//! The only task so far is `shaders`: everything else in the workspace builds with stable Rust alone, because the
+//! `gallery` renders the pictures of docs/GALLERY.md. `shaders` is there because everything else in the workspace builds with stable Rust alone: the
 //! SPIR-V that rust-gpu's compiler makes of `shaders-crate/` is committed, together with a manifest that says what it
 //! was made from. `cargo xtask shaders` makes it anew; `cargo xtask shaders --check` proves that it is current.
 
@@ -9,6 +9,7 @@ mod canonical;
 mod check;
 mod compile;
 mod forward;
+mod gallery;
 mod large_arrays;
 mod memory_model;
 mod postprocess;
@@ -38,14 +39,17 @@ enum Task {
     ///
     /// Needs rust-gpu 0.10.0: either `RUST_GPU_TOOLCHAIN` and `RUSTC_CODEGEN_SPIRV`, or what cargo-gpu installs.
     Shaders(shaders::Options),
+    /// Render every built-in scene into docs/gallery/ and docs/GALLERY.md, with the command and the time of each.
+    Gallery(gallery::Arguments),
 }
 
 fn main() -> ExitCode {
-    let Task::Shaders(options) = match Cli::try_parse() {
-        Ok(cli) => cli.task,
+    let done = match Cli::try_parse() {
+        Ok(Cli { task: Task::Shaders(options) }) => shaders::run(&options),
+        Ok(Cli { task: Task::Gallery(arguments) }) => gallery::run(&arguments),
         Err(error) => return usage(&error),
     };
-    match shaders::run(&options) {
+    match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error:#}");
@@ -64,6 +68,6 @@ fn usage(error: &clap::Error) -> ExitCode {
     // The first paragraph: what follows is clap's usage summary.
     let lines: Vec<&str> = text.lines().map(str::trim).take_while(|line| !line.is_empty()).collect();
     let sentence = if text.starts_with("error: ") { lines.join(" ") } else { "error: no task given".into() };
-    eprintln!("{sentence}; see `cargo xtask shaders --help`");
+    eprintln!("{sentence}; see `cargo xtask --help`");
     ExitCode::from(2)
 }

@@ -204,7 +204,7 @@ fn replace(path: &Path, bytes: &[u8]) -> Result<()> {
 }
 
 /// The nearest folder upwards that holds `shaders-crate`.
-fn workspace_root() -> Result<PathBuf> {
+pub(crate) fn workspace_root() -> Result<PathBuf> {
     let here = std::env::current_dir().context("cannot tell the current folder")?;
     let found = here.ancestors().find(|dir| dir.join("shaders-crate/Cargo.toml").is_file());
     Ok(found.context("`cargo xtask` must run inside the caustic workspace")?.to_owned())

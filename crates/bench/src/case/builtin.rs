@@ -1,6 +1,7 @@
 //! The cases that come with the program: files like any other, embedded.
 
 use super::{Case, CaseError, parse};
+use caustic_renderer::scene::suggestion;
 
 macro_rules! cases {
     ($($name:literal),* $(,)?) => {
@@ -40,7 +41,8 @@ pub fn built_in(name: Option<&str>) -> Result<Vec<Case>, CaseError> {
     match (name, cases) {
         (Some(name), Ok(cases)) if cases.is_empty() => {
             let known: Vec<_> = BUILT_IN.iter().map(|case| case.0).collect();
-            Err(CaseError::Unknown { name: name.to_string(), known: known.join(", ") })
+            let suggestion = suggestion(name, known.iter().copied());
+            Err(CaseError::Unknown { name: name.to_string(), suggestion, known: known.join(", ") })
         }
         (_, cases) => cases,
     }

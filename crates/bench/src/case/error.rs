@@ -29,10 +29,12 @@ pub enum CaseError {
         problem: String,
     },
     /// There is no such case.
-    #[error("there is no case `{name}`: the built-in ones are {known}; or give the path of a .toml file")]
+    #[error("there is no case `{name}`{suggestion}: the built-in ones are {known}; or give the path of a .toml file")]
     Unknown {
         /// What was asked for.
         name: String,
+        /// The nearest name, as part of the sentence; or empty.
+        suggestion: String,
         /// What there is.
         known: String,
     },

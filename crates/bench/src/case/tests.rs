@@ -70,6 +70,8 @@ fn unknown_scenes_and_cases_are_refused_with_those_there_are() {
         "name = \"f\"\ndescription = \"d\"\nkind = \"frame\"\nsizes = [1]\nsize = [8, 8]\nk = 5\nscene = \"box\"\n";
     let message = parse("f.toml", frame).unwrap_err().to_string();
     assert!(message.contains("f.toml:7:1") && message.contains("\"cornell\""), "{message}");
+    let message = built_in(Some("sort-pair-24")).unwrap_err().to_string();
+    assert!(message.contains("did you mean `sort-pairs-24`"), "{message}");
     let message = built_in(Some("sort")).unwrap_err().to_string();
     assert!(message.contains("`sort`") && message.contains("sort-pairs-24"), "{message}");
 }

@@ -15,6 +15,7 @@ pub use results::Results;
 use crate::case::Case;
 use crate::claim::Claim;
 use crate::scope::Scope;
+use caustic_renderer::scene::suggestion;
 use serde::Serialize;
 
 /// A figure or table of the thesis.
@@ -147,7 +148,8 @@ pub const FIGURES: &[Figure] = &[
 pub fn named(names: &[String]) -> Result<Vec<&'static Figure>, String> {
     let known = || FIGURES.iter().map(|figure| figure.id).collect::<Vec<_>>().join(", ");
     if let Some(name) = names.iter().find(|name| !FIGURES.iter().any(|figure| figure.id == **name)) {
-        return Err(format!("--only: there is no figure `{name}`; there are {}", known()));
+        let meant = suggestion(name, FIGURES.iter().map(|figure| figure.id));
+        return Err(format!("--only: there is no figure `{name}`{meant}; there are {}", known()));
     }
     let wanted = |figure: &&Figure| names.is_empty() || names.iter().any(|name| name == figure.id);
     Ok(FIGURES.iter().filter(wanted).collect())

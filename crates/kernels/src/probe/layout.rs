@@ -12,12 +12,12 @@ use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LedgerBlock, LedgerPass, LedgerSum, Light, Material,
-    PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LayerPixel, LedgerBlock, LedgerPass, LedgerSum, Light,
+    Material, PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
 };
 
 /// Words that a layout kernel writes at most.
-pub const LAYOUT_WORDS: u32 = 64;
+pub const LAYOUT_WORDS: u32 = 128;
 
 /// Fields that can be read word by word.
 pub trait Words {
@@ -154,9 +154,10 @@ layouts! {
     layout_film(
         camera: Camera { origin, width, corner, height, right, down, lens, focus },
         tile: CameraTile { first_pixel, pixels, samples, seed },
-        vertices: Vertex { normal, primitive, weight, emitted, rays },
+        vertices: Vertex { normal, primitive, weight, emitted, rays, distance },
         film_tile: FilmTile { first_pixel, pixels, samples, parts },
         film: Pixel { rgb, covered, not_finite, lost, cut_short, rays },
-        gather: GatherTile { first_pixel, pixels, samples, rays, seed }
+        gather: GatherTile { first_pixel, pixels, samples, rays, seed },
+        layers: LayerPixel { direct, global, caustic, normal, albedo, depth, radius, photons }
     );
 }

@@ -77,6 +77,8 @@ pub struct Vertex {
     pub emitted: [f32; 3],
     /// Rays that the path took.
     pub rays: u32,
+    /// Length of the path, m.
+    pub distance: f32,
 }
 
 /// Follows sample `i` of the tile through mirrors and glass to the first diffuse surface.
@@ -131,7 +133,8 @@ pub(super) fn first_diffuse<const FULL: bool>(
 ) -> (Query, Vertex) {
     let mut throughput = Vec3::ONE;
     let mut query = Query { position: [0.0; 3], active: 0 };
-    let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
+    let mut vertex =
+        Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0, distance: 0.0 };
     let mut emitted = Vec3::ZERO;
     let mut medium = VACUUM;
     // Density with which the glossy lobe of the last surface drew the direction; 0 where shadow rays do not draw it.
@@ -144,6 +147,7 @@ pub(super) fn first_diffuse<const FULL: bool>(
             vertex.primitive = hit.primitive;
             break;
         }
+        vertex.distance += hit.t;
         let primitive = primitives[hit.primitive as usize];
         let surface = surface_at::<FULL>(origin, direction, hit, info, &primitive, corners);
         let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);

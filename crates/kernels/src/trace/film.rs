@@ -1,4 +1,4 @@
-//! The film: a pixel is the mean of its samples.
+//! The film: a pixel is the mean of its samples, and the sum of its parts.
 
 use super::LOST;
 use super::camera::Vertex;
@@ -17,6 +17,8 @@ pub const PART_GLOBAL: u32 = 2;
 pub const PART_CAUSTIC: u32 = 4;
 /// [`FilmTile::parts`]: all that a path found, which its vertex has as emitted light. Then there are no other parts.
 pub const PART_PATHS: u32 = 8;
+/// [`FilmTile::parts`]: the reach of the estimates from each map that is wanted, for a layer.
+pub const PART_REACH: u32 = 16;
 
 /// What the film adds up.
 #[repr(C)]
@@ -50,11 +52,88 @@ pub struct Pixel {
     pub rays: u32,
 }
 
+/// A sum of samples, compensated (Kahan 1965).
+///
+/// Its relative error is below 2⁻²³ + O(n·2⁻⁴⁸) for n samples, none of them negative (Goldberg, "What every computer scientist
+/// should know about floating-point arithmetic", 1991, theorem 8), against n·2⁻²⁴ of plain addition.
+#[derive(Clone, Copy)]
+pub(super) struct Sum {
+    value: Vec3,
+    lost_digits: Vec3,
+}
+
+impl Sum {
+    pub(super) const ZERO: Self = Self { value: Vec3::ZERO, lost_digits: Vec3::ZERO };
+
+    #[inline]
+    #[must_use]
+    pub(super) fn with(self, sample: Vec3) -> Self {
+        let term = sample - self.lost_digits;
+        let value = self.value + term;
+        Self { value, lost_digits: (value - self.value) - term }
+    }
+
+    #[inline]
+    #[must_use]
+    pub(super) fn over(self, n: f32) -> Vec3 {
+        Vec3::new(div(self.value.x, n), div(self.value.y, n), div(self.value.z, n))
+    }
+}
+
+/// Sums of the radiance of samples, W·sr⁻¹·m⁻², by the parts of the light.
+#[derive(Clone, Copy)]
+pub(super) struct Parts {
+    pub(super) direct: Sum,
+    pub(super) global: Sum,
+    pub(super) caustic: Sum,
+}
+
+impl Parts {
+    pub(super) const ZERO: Self = Self { direct: Sum::ZERO, global: Sum::ZERO, caustic: Sum::ZERO };
+
+    /// These sums with the parts of the sample `at` of the tile.
+    #[inline]
+    #[must_use]
+    pub(super) fn with(
+        self,
+        at: usize,
+        tile: &FilmTile,
+        vertex: &Vertex,
+        direct: &Input<Irradiance>,
+        global: &Input<Irradiance>,
+        caustic: &Input<Irradiance>,
+    ) -> Self {
+        let weight = Vec3::from_array(vertex.weight);
+        let mut sums = self;
+        if tile.parts & PART_PATHS != 0 {
+            sums.direct = sums.direct.with(Vec3::from_array(vertex.emitted));
+        }
+        if tile.parts & PART_DIRECT != 0 {
+            let reflected = weight * Vec3::from_array(direct[at].rgb);
+            sums.direct = sums.direct.with(Vec3::from_array(vertex.emitted) + reflected);
+        }
+        if tile.parts & PART_GLOBAL != 0 {
+            sums.global = sums.global.with(weight * Vec3::from_array(global[at].rgb));
+        }
+        if tile.parts & PART_CAUSTIC != 0 {
+            sums.caustic = sums.caustic.with(weight * Vec3::from_array(caustic[at].rgb));
+        }
+        sums
+    }
+
+    /// Whether the parts and their sum are finite: a part that is not makes the sum so.
+    #[inline]
+    #[must_use]
+    pub(super) fn is_finite(&self) -> bool {
+        let all = (self.direct.value + self.global.value) + self.caustic.value;
+        is_finite(all.x) && is_finite(all.y) && is_finite(all.z)
+    }
+}
+
 /// Means the samples of pixel `i` of the tile, in their order, into the film.
 ///
-/// The sum is compensated (Kahan 1965): its relative error is below 2⁻²³ + O(n·2⁻⁴⁸) for n samples, none of them negative
-/// (Goldberg, "What every computer scientist should know about floating-point arithmetic", 1991, theorem 8), against n·2⁻²⁴
-/// of plain addition; the quotient is rounded once more.
+/// Each part has a mean of its own ([`Sum`]), and the pixel is their sum, (direct + global) + caustic: what an image of layers adds up to
+/// has the bits of the picture. Each mean and each addition are rounded once more.
 #[inline]
 pub fn develop_film<P: Store<Pixel> + ?Sized>(
     i: u32,
@@ -68,40 +147,27 @@ pub fn develop_film<P: Store<Pixel> + ?Sized>(
     if i >= tile.pixels {
         return;
     }
-    let mut sum = Vec3::ZERO;
-    let mut lost_digits = Vec3::ZERO;
+    let mut sums = Parts::ZERO;
     let mut pixel = Pixel { rgb: [0.0; 3], covered: 0, not_finite: 0, lost: 0, cut_short: 0, rays: 0 };
     let mut sample = 0;
     while sample < tile.samples {
         let at = (i * tile.samples + sample) as usize;
         let vertex = vertices[at];
-        let mut irradiance = Vec3::ZERO;
-        let mut radiance = Vec3::ZERO;
         if tile.parts & PART_DIRECT != 0 {
-            radiance += Vec3::from_array(vertex.emitted);
-            irradiance += Vec3::from_array(direct[at].rgb);
             let cut_short = direct[at].photons == CUT_SHORT;
             pixel.cut_short += u32::from(cut_short);
             pixel.rays += if cut_short { 1 } else { direct[at].photons };
         }
-        if tile.parts & PART_PATHS != 0 {
-            radiance += Vec3::from_array(vertex.emitted);
-        }
         if tile.parts & PART_GLOBAL != 0 {
-            irradiance += Vec3::from_array(global[at].rgb);
             pixel.cut_short += u32::from(global[at].photons == CUT_SHORT);
         }
         if tile.parts & PART_CAUSTIC != 0 {
-            irradiance += Vec3::from_array(caustic[at].rgb);
             pixel.cut_short += u32::from(caustic[at].photons == CUT_SHORT);
         }
-        radiance += Vec3::from_array(vertex.weight) * irradiance;
-        // What is not finite, or would make the sum so, is left out and counted.
-        let term = radiance - lost_digits;
-        let next = sum + term;
-        if is_finite(next.x) && is_finite(next.y) && is_finite(next.z) {
-            lost_digits = (next - sum) - term;
-            sum = next;
+        // What is not finite, or would make a sum so, is left out and counted.
+        let next = sums.with(at, tile, &vertex, direct, global, caustic);
+        if next.is_finite() {
+            sums = next;
         } else {
             pixel.not_finite += 1;
         }
@@ -111,6 +177,6 @@ pub fn develop_film<P: Store<Pixel> + ?Sized>(
         sample += 1;
     }
     let n = tile.samples as f32;
-    pixel.rgb = [div(sum.x, n), div(sum.y, n), div(sum.z, n)];
+    pixel.rgb = ((sums.direct.over(n) + sums.global.over(n)) + sums.caustic.over(n)).to_array();
     film.set(tile.first_pixel + i, pixel);
 }

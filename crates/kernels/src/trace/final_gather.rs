@@ -61,7 +61,14 @@ pub fn trace_gather<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     }
     let query = queries[sample as usize];
     let mut found = Query { position: [0.0; 3], active: 0 };
-    let mut seen = Vertex { normal: [0.0; 3], primitive: super::MISS, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
+    let mut seen = Vertex {
+        normal: [0.0; 3],
+        primitive: super::MISS,
+        weight: [0.0; 3],
+        emitted: [0.0; 3],
+        rays: 0,
+        distance: 0.0,
+    };
     if query.active != 0 {
         let vertex = vertices[sample as usize];
         let normal = Vec3::from_array(vertex.normal);

@@ -52,7 +52,8 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     let index = i % tile.samples;
     let rng = Rng { seed: tile.seed, stream: STREAM ^ (index << 8), index: pixel };
     let (mut origin, mut direction) = eye_ray::<true>(camera, pixel, index, tile.seed);
-    let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
+    let mut vertex =
+        Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0, distance: 0.0 };
     let mut radiance = Vec3::ZERO;
     let mut throughput = Vec3::ONE;
     let mut medium = VACUUM;

@@ -1,14 +1,14 @@
 //! `OpenEXR`: the floats as they are, without loss, and how they came about.
 
-use super::{Image, Metadata};
+use super::{Image, Layer, Metadata};
 use exr::prelude::{
-    Encoding, Layer, LayerAttributes, ReadChannels, ReadLayers, SpecificChannels, Text, Vec2, WritableImage,
-    attribute::AttributeValue,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, LayerAttributes, ReadChannels, ReadLayers, SmallVec, Text,
+    WritableImage, attribute::AttributeValue,
 };
 use std::io::Cursor;
 
-/// The bytes of an EXR: one layer of 32-bit floats, compressed by ZIP.
-pub(super) fn encode(image: &Image, metadata: &Metadata) -> Result<Vec<u8>, String> {
+/// The bytes of an EXR of 32-bit floats, compressed by ZIP: R, G and B, and the channels of layers, such as `direct.R`.
+pub(super) fn encode(image: &Image, layers: &[Layer], metadata: &Metadata) -> Result<Vec<u8>, String> {
     let settings: Vec<String> = metadata.settings.iter().map(|(name, value)| format!("{name}={value}")).collect();
     let mut attributes = LayerAttributes {
         software_name: Some(text(&format!("caustic {}", metadata.version))),
@@ -22,13 +22,20 @@ pub(super) fn encode(image: &Image, metadata: &Metadata) -> Result<Vec<u8>, Stri
     ] {
         attributes.other.insert(text(name), AttributeValue::Text(text(&value)));
     }
-    let width = image.width as usize;
-    let pixel = |at: Vec2<usize>| {
-        let [red, green, blue] = image.rgb[at.y() * width + at.x()];
-        (red, green, blue)
-    };
-    let size = (width, image.height as usize);
-    let layer = Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, SpecificChannels::rgb(pixel));
+    let channel = |name: &str, values: Vec<f32>| AnyChannel::new(text(name), FlatSamples::F32(values));
+    let mut channels = SmallVec::new();
+    for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(channel(name, image.rgb.iter().map(|rgb| rgb[c]).collect()));
+    }
+    for layer in layers {
+        let names = layer.kind.channels();
+        for (c, name) in names.iter().enumerate() {
+            let values = layer.values.iter().skip(c).step_by(names.len()).copied().collect();
+            channels.push(channel(&format!("{}.{name}", layer.kind.name()), values));
+        }
+    }
+    let size = (image.width as usize, image.height as usize);
+    let layer = exr::prelude::Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut bytes = Vec::new();
     exr::prelude::Image::from_layer(layer)
         .write()

@@ -1,15 +1,23 @@
-//! Pictures in files: PNG to look at, EXR to compute with.
+//! Pictures in files: PNG to look at, EXR to compute with, Radiance HDR for programs that read nothing else.
 
+mod denoise;
 mod error;
 mod exr_file;
+mod hdr_file;
+mod layers;
 pub(crate) mod place;
 mod png_file;
+mod tone;
 
 #[cfg(test)]
 mod tests;
 
+pub use denoise::{LAYERS as DENOISER_LAYERS, can_denoise, denoise};
 pub use error::OutputError;
+pub use layers::{Layer, LayerKind};
+pub use place::{check as check_place, replace, replace_with};
 pub use png_file::{from_srgb8, to_srgb8};
+pub use tone::{Display, MAX_EXPOSURE, ToneMap};
 
 use sha2::{Digest, Sha256};
 use std::path::Path;
@@ -56,8 +64,10 @@ pub struct Metadata {
 pub enum Format {
     /// sRGB, 8 bits a channel.
     Png,
-    /// `OpenEXR`: linear, 32-bit floats, with [`Metadata`].
+    /// `OpenEXR`: linear, 32-bit floats, with [`Metadata`] and [`Layer`]s.
     Exr,
+    /// Radiance HDR: linear, 8 bits a channel and a shared exponent.
+    Hdr,
 }
 
 impl Format {
@@ -70,6 +80,7 @@ impl Format {
         match ending.as_deref() {
             Some("png") => Ok(Self::Png),
             Some("exr") => Ok(Self::Exr),
+            Some("hdr") => Ok(Self::Hdr),
             _ => Err(OutputError::UnknownEnding { path: path.to_path_buf() }),
         }
     }
@@ -84,29 +95,58 @@ pub fn check_path(path: &Path) -> Result<(), OutputError> {
     place::check(path)
 }
 
-/// Writes a picture in the format that the file's ending asks for. The file appears at once and whole, or not at all.
-///
-/// A PNG holds no metadata. The same picture and metadata give the same bytes.
+/// What a picture's file is made of beside the picture.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extras<'a> {
+    /// Layers of an EXR.
+    pub layers: &'a [Layer],
+    /// How light becomes the codes of a PNG.
+    pub display: Display,
+}
+
+/// Writes a picture without extras: [`write_with`].
 ///
 /// # Errors
-/// If `path` fails [`check_path`], the picture has no pixels or not the number that its sides say, or the disk fails.
+/// Those of [`write_with`].
 pub fn write(path: &Path, image: &Image, metadata: &Metadata) -> Result<(), OutputError> {
+    write_with(path, image, metadata, &Extras::default())
+}
+
+/// Writes a picture in the format that the file's ending asks for. The file appears at once and whole, or not at all.
+///
+/// Only an EXR holds metadata and layers. The same picture, metadata and extras give the same bytes.
+///
+/// # Errors
+/// If `path` fails [`check_path`], the picture or a layer has no pixels or not the number that its sides say, layers are given to another format
+/// than EXR, or the disk fails.
+pub fn write_with(path: &Path, image: &Image, metadata: &Metadata, extras: &Extras) -> Result<(), OutputError> {
     let format = Format::of(path)?;
     let pixels = u64::from(image.width) * u64::from(image.height);
     let sides = 1..=MAX_SIDE;
     if !sides.contains(&image.width) || !sides.contains(&image.height) || pixels != image.rgb.len() as u64 {
         return Err(OutputError::Shape { width: image.width, height: image.height, pixels: image.rgb.len() });
     }
+    if let Some(layer) = extras.layers.first().filter(|_| format != Format::Exr) {
+        return Err(OutputError::NoLayers { path: path.to_path_buf(), layer: layer.kind.name() });
+    }
+    for Layer { kind, values } in extras.layers {
+        let channels = kind.channels().len();
+        if values.len() != image.rgb.len() * channels {
+            let pixels = values.len() / channels;
+            return Err(OutputError::Shape { width: image.width, height: image.height, pixels });
+        }
+    }
     let bytes = match format {
-        Format::Png => png_file::encode(image),
-        Format::Exr => exr_file::encode(image, metadata),
+        Format::Png => png_file::encode(image, &extras.display),
+        Format::Exr => exr_file::encode(image, extras.layers, metadata),
+        Format::Hdr => hdr_file::encode(image),
     };
     let bytes = bytes.map_err(|reason| OutputError::Write { path: path.to_path_buf(), reason })?;
     place::check(path)?;
     place::replace(path, &bytes)
 }
 
-/// Reads a picture back: an EXR's floats as they are, a PNG's colours as linear light from 0 to 1.
+/// Reads a picture back: an EXR's floats as they are, without its layers; a PNG's colours as linear light from 0 to 1.
 ///
 /// # Errors
 /// If the ending is unknown or the file cannot be read or is damaged.
@@ -117,6 +157,7 @@ pub fn read(path: &Path) -> Result<Image, OutputError> {
     match format {
         Format::Png => png_file::decode(&bytes),
         Format::Exr => exr_file::decode(&bytes),
+        Format::Hdr => hdr_file::decode(&bytes),
     }
     .map_err(failed)
 }

@@ -1,13 +1,16 @@
-//! The place of a picture: whether it can be there, and putting it there whole.
+//! The place of a file: whether it can be there, and putting it there whole.
 
 use super::error::OutputError;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Checks that a file can be put at `path`.
-pub(crate) fn check(path: &Path) -> Result<(), OutputError> {
+///
+/// # Errors
+/// If it is a folder, or its folder does not exist or cannot be written to.
+pub fn check(path: &Path) -> Result<(), OutputError> {
     let folder = folder(path);
     match fs::metadata(folder) {
         Ok(found) if found.is_dir() => {}
@@ -29,15 +32,30 @@ pub(crate) fn check(path: &Path) -> Result<(), OutputError> {
     Unfinished::create(folder).map(drop).map_err(|error| not_writable(folder, &error))
 }
 
-/// Puts a file of these bytes at `path`: written beside it, brought to the disk, then renamed.
-pub(crate) fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    let write = || -> io::Result<()> {
+/// Puts a file of these bytes at `path`: [`replace_with`].
+///
+/// # Errors
+/// If the disk fails.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    replace_with(path, |file| file.write_all(bytes))
+}
+
+/// Puts a file at `path` that `write` writes: beside it, brought to the disk, then renamed. What was there stays until then, whatever
+/// ends the program.
+///
+/// # Errors
+/// If the disk fails, or `write` does.
+pub fn replace_with(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), OutputError> {
+    let put = || -> io::Result<()> {
         let mut unfinished = Unfinished::create(folder(path))?;
-        unfinished.file.write_all(bytes)?;
+        let mut buffered = BufWriter::with_capacity(1 << 16, &mut unfinished.file);
+        write(&mut buffered)?;
+        buffered.flush()?;
+        drop(buffered);
         unfinished.file.sync_all()?;
         unfinished.rename(path)
     };
-    write().map_err(|error| OutputError::Write { path: path.to_path_buf(), reason: error.to_string() })
+    put().map_err(|error| OutputError::Write { path: path.to_path_buf(), reason: error.to_string() })
 }
 
 fn folder(path: &Path) -> &Path {

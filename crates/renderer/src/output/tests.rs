@@ -60,9 +60,9 @@ fn an_exr_keeps_every_bit() {
 
 #[test]
 fn an_exr_says_how_it_was_made_and_is_the_same_every_time() {
-    let first = exr_file::encode(&picture(), &metadata()).unwrap();
+    let first = exr_file::encode(&picture(), &[], &metadata()).unwrap();
     for _ in 0..16 {
-        assert!(exr_file::encode(&picture(), &metadata()).unwrap() == first);
+        assert!(exr_file::encode(&picture(), &[], &metadata()).unwrap() == first);
     }
     let header = exr::meta::MetaData::read_from_buffered(first.as_slice(), true).unwrap().headers[0].clone();
     let attribute = |name: &str| {
@@ -116,9 +116,9 @@ fn errors_say_what_to_do_and_leave_no_file() {
     let before = folder.files();
     let long = format!("{}.png", "x".repeat(300));
     for (path, part) in [
-        (inside("a.jpg"), ".png or .exr"),
-        (inside("png"), ".png or .exr"),
-        (PathBuf::new(), ".png or .exr"),
+        (inside("a.jpg"), ".png, .exr or .hdr"),
+        (inside("png"), ".png, .exr or .hdr"),
+        (PathBuf::new(), ".png, .exr or .hdr"),
         (inside("none/a.png"), "does not exist"),
         (inside("file/a.png"), "not a folder"),
         (inside("folder.png"), "is a folder"),
@@ -141,7 +141,7 @@ fn errors_say_what_to_do_and_leave_no_file() {
 #[test]
 fn damaged_files_are_errors() {
     let folder = Folder::new("damaged");
-    for name in ["a.exr", "a.png"] {
+    for name in ["a.exr", "a.png", "a.hdr"] {
         let path = folder.0.join(name);
         assert!(read(&path).is_err());
         write(&path, &picture(), &metadata()).unwrap();
@@ -151,4 +151,91 @@ fn damaged_files_are_errors() {
         fs::write(&path, "not a picture").unwrap();
         assert!(read(&path).is_err());
     }
+}
+
+/// A layer of each kind, all floats different.
+fn layers(pixels: usize) -> Vec<Layer> {
+    let kinds = [LayerKind::Variance, LayerKind::Bias].into_iter().chain(LayerKind::OF_PHOTON_MAPS);
+    let layer = |(n, kind): (usize, LayerKind)| {
+        let values = (0..pixels * kind.channels().len()).map(|i| (i + 100_000 * n) as f32).collect();
+        Layer { kind, values }
+    };
+    kinds.enumerate().map(layer).collect()
+}
+
+#[test]
+fn an_exr_keeps_every_bit_of_its_layers() {
+    use exr::prelude::{ReadChannels, ReadLayers};
+    let (folder, image) = (Folder::new("layers"), picture());
+    let layers = layers(image.rgb.len());
+    let path = folder.0.join("a.exr");
+    write_with(&path, &image, &metadata(), &Extras { layers: &layers, ..Extras::default() }).unwrap();
+    assert_eq!(bits(&read(&path).unwrap()), bits(&image), "the picture is read beside layers");
+    let file = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let file = file.all_attributes().non_parallel().from_file(&path).unwrap();
+    let channels = &file.layer_data.channel_data.list;
+    assert_eq!(channels.len(), 3 + layers.iter().map(|layer| layer.kind.channels().len()).sum::<usize>());
+    for layer in &layers {
+        let names = layer.kind.channels();
+        for (c, name) in names.iter().enumerate() {
+            let name = format!("{}.{name}", layer.kind.name());
+            let found = channels.iter().find(|channel| channel.name.to_string() == name).expect("a channel");
+            let found: Vec<f32> = found.sample_data.values_as_f32().collect();
+            let expected: Vec<f32> = layer.values.iter().skip(c).step_by(names.len()).copied().collect();
+            assert_eq!(found, expected, "{name}");
+        }
+    }
+}
+
+#[test]
+fn layers_that_do_not_fit_are_refused() {
+    let (folder, image) = (Folder::new("no-layers"), picture());
+    let layers = layers(image.rgb.len());
+    let extras = Extras { layers: &layers, ..Extras::default() };
+    for name in ["a.png", "a.hdr"] {
+        let error = write_with(&folder.0.join(name), &image, &metadata(), &extras).unwrap_err();
+        assert!(error.to_string().contains(".exr"), "{error}");
+    }
+    let short = [Layer { kind: LayerKind::Depth, values: vec![0.0; image.rgb.len() - 1] }];
+    let error = write_with(&folder.0.join("a.exr"), &image, &metadata(), &Extras { layers: &short, ..extras });
+    assert!(matches!(error, Err(OutputError::Shape { pixels: 1516, .. })), "{error:?}");
+    assert_eq!(folder.files(), 0);
+}
+
+#[test]
+fn an_hdr_keeps_the_brightest_channel_to_a_hundredth() {
+    let folder = Folder::new("hdr");
+    let path = folder.0.join("a.hdr");
+    let rgb: Vec<[f32; 3]> =
+        (0..40 * 30).map(|i| [0.001, 0.5, 1.0].map(|x| x * (i as f32 * 0.03 - 15.0).exp2())).collect();
+    let image = Image { width: 40, height: 30, rgb };
+    write(&path, &image, &metadata()).unwrap();
+    let bytes = fs::read(&path).unwrap();
+    write(&path, &image, &metadata()).unwrap();
+    assert!(fs::read(&path).unwrap() == bytes);
+    let back = read(&path).unwrap();
+    assert_eq!((back.width, back.height), (40, 30));
+    for (a, b) in image.rgb.iter().zip(&back.rgb) {
+        for c in 0..3 {
+            // A step is 1/128 of the brightest at the least.
+            assert!((a[c] - b[c]).abs() <= a[2] / 128.0, "{a:?} {b:?}");
+        }
+    }
+    let odd = Image { width: 3, height: 1, rgb: vec![[f32::NAN, -1.0, f32::INFINITY], [0.0; 3], [f32::MAX; 3]] };
+    write(&path, &odd, &metadata()).unwrap();
+    assert!(read(&path).unwrap().rgb.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
+}
+
+#[test]
+fn a_file_that_fails_midway_leaves_what_was_there() {
+    let folder = Folder::new("midway");
+    let path = folder.0.join("a.bin");
+    replace(&path, b"old").unwrap();
+    let failing = replace_with(&path, |file| {
+        file.write_all(b"new")?;
+        Err(std::io::Error::other("a fault"))
+    });
+    assert!(failing.unwrap_err().to_string().contains("a fault"));
+    assert_eq!(fs::read(&path).unwrap(), b"old");
+    assert_eq!(folder.files(), 1);
 }

@@ -18,6 +18,8 @@ pub(super) struct Content {
     pub texels: Vec<Texel>,
     pub points: Vec<PointLight>,
     pub suns: Vec<Sun>,
+    /// Where the origin of all coordinates lies in the file's, m.
+    pub origin: DVec3,
 }
 
 /// Bounds of nothing.
@@ -46,6 +48,7 @@ impl Content {
         }
         self.camera.position -= origin;
         self.camera.target -= origin;
+        self.origin += origin;
         self
     }
 

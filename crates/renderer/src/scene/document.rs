@@ -2,7 +2,7 @@
 
 use super::error::{Place, SceneError};
 use super::file::SceneFile;
-use super::text::{nearest, one_line};
+use super::text::{one_line, suggestion};
 use serde::Deserialize;
 use std::fmt;
 use std::ops::Range;
@@ -171,8 +171,7 @@ fn place(name: &str, text: &str, at: usize) -> Place {
 fn reworded(message: &str) -> String {
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let known = quoted.iter().skip(1).map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let meant = quoted.first().and_then(|name| nearest(name, quoted.iter().skip(1).copied()));
-    let meant = meant.map_or(String::new(), |name| format!(" (did you mean `{name}`?)"));
+    let meant = quoted.first().map_or(String::new(), |name| suggestion(name, quoted.iter().skip(1).copied()));
     if message.starts_with("unknown field") {
         return format!("is not a known field{meant}; the fields here are {known}");
     }

@@ -3,7 +3,7 @@
 use super::builtin::{BUILT_IN, names};
 use super::error::SceneError;
 use super::limits::MAX_FILE_BYTES;
-use super::text::{nearest, one_line};
+use super::text::{one_line, suggestion};
 use super::{BuiltIn, Scene};
 use std::fs::File;
 use std::io::{self, Read};
@@ -17,10 +17,9 @@ pub(super) fn load(spec: &str) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
     let names_a_file = path.extension().is_some() || path.components().count() > 1 || path.exists();
     if !names_a_file {
-        let meant = nearest(spec, BUILT_IN.iter().map(|scene| scene.name));
         return Err(SceneError::Unknown {
             name: one_line(spec),
-            suggestion: meant.map_or(String::new(), |name| format!(" (did you mean `{name}`?)")),
+            suggestion: suggestion(spec, BUILT_IN.iter().map(|scene| scene.name)),
             known: names(),
         });
     }

@@ -18,6 +18,7 @@ mod camera;
 mod check;
 mod compile;
 mod content;
+mod digest;
 mod document;
 mod error;
 mod file;
@@ -37,7 +38,9 @@ mod tests;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use compile::CompiledScene;
+pub(crate) use digest::hex;
 pub use error::{Place, SceneError};
+pub use text::suggestion;
 
 use caustic_kernels::trace::Camera;
 use content::Content;
@@ -99,6 +102,13 @@ impl Scene {
     #[must_use]
     pub fn camera(&self, width: u32, height: u32) -> Camera {
         camera::camera(&self.content.camera, width, height)
+    }
+
+    /// Where the origin of the kernels' coordinates, and so of photons, lies in the file's, m. It is 0 unless the scene is farther from its
+    /// origin than it is large.
+    #[must_use]
+    pub fn origin(&self) -> [f64; 3] {
+        self.content.origin.to_array()
     }
 
     /// The kernels' records.

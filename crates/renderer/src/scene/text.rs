@@ -28,6 +28,12 @@ pub(super) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) 
         .map(|(_, candidate)| candidate)
 }
 
+/// The name of `known` that `name` was probably meant to be, as part of a sentence: `` (did you mean `cornell`?)``, or nothing.
+#[must_use]
+pub fn suggestion<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+    nearest(name, known).map_or(String::new(), |name| format!(" (did you mean `{name}`?)"))
+}
+
 /// Letters to insert, remove or replace to turn `a` into `b` (Levenshtein).
 fn distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();

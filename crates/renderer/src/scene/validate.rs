@@ -46,6 +46,7 @@ pub(super) fn validate(document: &Document<'_>, file: &SceneFile) -> Result<(Ren
         texels: Vec::new(),
         points,
         suns,
+        origin: glam::DVec3::ZERO,
     };
     whole_scene(document, &content)?;
     Ok((defaults, content.localised()))
