@@ -121,8 +121,10 @@ fn speed(report: &RenderReport) -> Option<String> {
             }
         }
     }
-    let camera_ms: f64 =
-        ["trace_camera", "trace_camera_full", "shade_direct", "shade_direct_full"].into_iter().filter_map(|s| stage(&format!("image/{s}"))).sum();
+    let camera_ms: f64 = ["trace_camera", "trace_camera_full", "shade_direct", "shade_direct_full"]
+        .into_iter()
+        .filter_map(|s| stage(&format!("image/{s}")))
+        .sum();
     let millions = |count: u64, ms: f64| format!("{:.1} million", count as f64 / ms / 1e3);
     let image = format!("{} rays/s of the image", millions(report.camera_rays, camera_ms));
     (camera_ms > 0.0).then(|| {

@@ -9,8 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Texel,
-    Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target,
+    Texel, Texture, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.

@@ -41,7 +41,7 @@ pub fn render(
     let start = Instant::now();
     let compiled = scene.compile();
     let buffers = SceneBuffers::new(device, &compiled)?;
-    let mut notes = Vec::new();
+    let mut notes = scene.notes.clone();
     let mut maps = Vec::new();
     let mut map = |kind: Option<PassKind>| match kind {
         Some(kind) => build(device, &compiled, &buffers, settings, &kind, &mut maps, &mut notes, progress),
@@ -205,11 +205,7 @@ impl Camera<'_> {
         let seen = [&queries, &vertices];
         plan.each(kernels.camera, samples, &[&[tile, &camera], &self.buffers.for_camera()[..], &seen].concat());
         if parts & PART_DIRECT != 0 {
-            plan.each(
-                kernels.direct,
-                samples,
-                &[tile, info, nodes, primitives, lights, &queries, &vertices, &direct],
-            );
+            plan.each(kernels.direct, samples, &[tile, info, nodes, primitives, lights, &queries, &vertices, &direct]);
         }
         let mut estimates = Vec::new();
         for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {

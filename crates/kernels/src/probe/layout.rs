@@ -12,8 +12,8 @@ use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target, Texel,
-    Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target,
+    Texel, Texture, Vertex,
 };
 
 /// Words that a layout kernel writes at most.

@@ -59,7 +59,14 @@ mod tests {
     use super::*;
     use crate::trace::scene::MATERIAL_DIELECTRIC;
 
-    const GLASS: Material = Material { reflectance: [1.0; 3], kind: MATERIAL_DIELECTRIC, ior: 1.5, survival: 1.0, texture: 0, roughness_texture: 0 };
+    const GLASS: Material = Material {
+        reflectance: [1.0; 3],
+        kind: MATERIAL_DIELECTRIC,
+        ior: 1.5,
+        survival: 1.0,
+        texture: 0,
+        roughness_texture: 0,
+    };
 
     #[test]
     fn glass_reflects_four_percent_head_on_and_all_at_grazing_angles() {

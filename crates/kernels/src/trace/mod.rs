@@ -25,8 +25,8 @@ pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_
 pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, corners_of, intersect, leave, occluded};
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
-    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT, NO_TEXTURE,
-    PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
+    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
+    NO_TEXTURE, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
 };
 pub use surface::{Corners, Surface, material_at, surface_at};
 pub use texture::{Texel, Texture, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, half_to_f32, texel_at};

@@ -124,18 +124,7 @@ pub fn store_photons<const FULL: bool, P: Store<Photon> + ?Sized>(
             }
         };
         walk::<FULL, _>(
-            path,
-            pass,
-            info,
-            nodes,
-            primitives,
-            materials,
-            lights,
-            targets,
-            corners,
-            textures,
-            texels,
-            keep,
+            path, pass, info, nodes, primitives, materials, lights, targets, corners, textures, texels, keep,
         );
     }
 }

@@ -104,12 +104,7 @@ pub fn surface_at<const FULL: bool>(
 /// comes to lie behind the other wall.
 #[inline]
 #[must_use]
-pub(super) fn point_of<const FULL: bool>(
-    origin: Vec3,
-    direction: Vec3,
-    t: f32,
-    primitive: &Primitive,
-) -> (Vec3, Vec3) {
+pub(super) fn point_of<const FULL: bool>(origin: Vec3, direction: Vec3, t: f32, primitive: &Primitive) -> (Vec3, Vec3) {
     let position = Vec3::from_array(primitive.position);
     let point = origin + direction * t;
     if primitive.kind == PRIMITIVE_SPHERE {
@@ -169,3 +164,6 @@ pub fn material_at<const FULL: bool>(
     }
     material
 }
+
+#[cfg(test)]
+mod tests;

@@ -149,12 +149,10 @@ mod tests {
 
     #[test]
     fn halves_are_exact() {
-        assert_eq!([0x0000, 0x0001, 0x03ff, 0x0400].map(half_to_f32), [
-            0.0,
-            2f32.powi(-24),
-            1023.0 * 2f32.powi(-24),
-            2f32.powi(-14)
-        ]);
+        assert_eq!(
+            [0x0000, 0x0001, 0x03ff, 0x0400].map(half_to_f32),
+            [0.0, 2f32.powi(-24), 1023.0 * 2f32.powi(-24), 2f32.powi(-14)]
+        );
         assert_eq!([0x3c00, 0x3c01, 0x7bff].map(half_to_f32), [1.0, 1.0 + 1.0 / 1024.0, 65504.0]);
     }
 }

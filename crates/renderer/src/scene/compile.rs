@@ -4,9 +4,9 @@ use super::bvh;
 use super::content::{Content, NOTHING, Shape, Substance, Surface};
 use super::lights::{Source, chances};
 use caustic_kernels::trace::{
-    BvhNode, Corners, LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material,
-    NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
-    Texel, Texture,
+    BvhNode, Corners, LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR,
+    Material, NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE,
+    Primitive, SceneInfo, Target, Texel, Texture,
 };
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -84,7 +84,12 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
         corners: content.corners.clone(),
         textures: content.textures.clone(),
         texels: content.texels.clone(),
-        materials: content.materials.iter().map(material).collect(),
+        materials: content
+            .materials
+            .iter()
+            .zip(&content.pictures)
+            .map(|(of, picture)| material(of, *picture))
+            .collect(),
         diffuse_bounds: bounds(content.surfaces.iter().filter(|surface| !specular(surface))),
         has_specular: !targets.is_empty(),
         has_diffuse,
@@ -168,7 +173,7 @@ fn primitive(surface: &Surface, light: u32, reach: f64) -> Primitive {
     }
 }
 
-fn material(substance: &Substance) -> Material {
+fn material(substance: &Substance, picture: Option<u32>) -> Material {
     let (kind, reflectance, ior) = match *substance {
         Substance::Lambertian(reflectance) => (MATERIAL_LAMBERTIAN, reflectance, 1.0),
         Substance::Mirror(reflectance) => (MATERIAL_MIRROR, reflectance, 1.0),
@@ -179,7 +184,7 @@ fn material(substance: &Substance) -> Material {
         kind,
         ior: ior as f32,
         survival: reflectance.max_element() as f32,
-        texture: NO_TEXTURE,
+        texture: picture.unwrap_or(NO_TEXTURE),
         roughness_texture: NO_TEXTURE,
     }
 }

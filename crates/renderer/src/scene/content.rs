@@ -9,6 +9,8 @@ pub(super) struct Content {
     pub camera: Viewpoint,
     /// In the order of their names; the black of lights without a material, if there are such, is last.
     pub materials: Vec<Substance>,
+    /// Index of the picture on each material.
+    pub pictures: Vec<Option<u32>>,
     /// Quads, then spheres, discs and triangles, each in the file's order; those that have corners last, in the order of these.
     pub surfaces: Vec<Surface>,
     /// Normals and texture coordinates of triangles.
@@ -112,12 +114,25 @@ impl Surface {
 /// A surface's shape; lengths in m.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
-    Quad { corner: DVec3, edge_u: DVec3, edge_v: DVec3 },
-    Sphere { centre: DVec3, radius: f64 },
+    Quad {
+        corner: DVec3,
+        edge_u: DVec3,
+        edge_v: DVec3,
+    },
+    Sphere {
+        centre: DVec3,
+        radius: f64,
+    },
     /// Inscribed in the square that these edges span.
-    Disc { corner: DVec3, edge_u: DVec3, edge_v: DVec3 },
+    Disc {
+        corner: DVec3,
+        edge_u: DVec3,
+        edge_v: DVec3,
+    },
     /// Counter-clockwise as its front is seen.
-    Triangle { corners: [DVec3; 3] },
+    Triangle {
+        corners: [DVec3; 3],
+    },
 }
 
 /// A light that is a point.

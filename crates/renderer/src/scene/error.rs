@@ -25,7 +25,7 @@ impl fmt::Display for Place {
 pub enum SceneError {
     /// Neither a built-in scene nor a file.
     #[error(
-        "there is no scene `{name}`{suggestion}: give one of the built-in scenes {known} or the path of a .toml file"
+        "there is no scene `{name}`{suggestion}: give one of the built-in scenes {known} or the path of a .toml, .ply, .obj, .gltf or .glb file"
     )]
     Unknown {
         /// What was asked for.
@@ -64,6 +64,14 @@ pub enum SceneError {
         path: String,
         /// Where the first wrong byte is, counted from 0.
         offset: usize,
+    },
+    /// A model cannot be used.
+    #[error("the model `{path}` {problem}")]
+    Model {
+        /// The file.
+        path: String,
+        /// What is wrong with it, with the remedy.
+        problem: String,
     },
     /// The file says nothing.
     #[error("`{path}` is empty: a scene needs at least a [camera], a surface and a light, see docs/scene-format.md")]

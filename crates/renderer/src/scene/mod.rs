@@ -21,9 +21,13 @@ mod content;
 mod document;
 mod error;
 mod file;
+mod import;
 mod lights;
 pub mod limits;
 mod load;
+mod meshes;
+mod model;
+mod place;
 mod surfaces;
 mod text;
 mod validate;
@@ -49,6 +53,8 @@ pub struct Scene {
     pub description: String,
     /// The file's defaults for the settings of a render.
     pub defaults: RenderDefaults,
+    /// What was left out of its files or added to them.
+    pub notes: Vec<String>,
     content: Content,
 }
 
@@ -70,7 +76,7 @@ pub struct RenderDefaults {
 }
 
 impl Scene {
-    /// Loads the built-in scene of this name or else the scene file at this path.
+    /// Loads the built-in scene of this name or else the scene file or model (.ply, .obj, .gltf, .glb) at this path.
     ///
     /// # Errors
     /// If there is neither, or the file is not a scene.
@@ -88,8 +94,14 @@ impl Scene {
         }
         let document = Document::parse(file_name, text)?;
         let file = document.fields()?;
-        let (defaults, content) = validate::validate(&document, &file)?;
-        Ok(Self { name: load::stem(file_name), description: text::one_line(&file.description), defaults, content })
+        let (defaults, content, notes) = validate::validate(&document, &file)?;
+        Ok(Self {
+            name: load::stem(file_name),
+            description: text::one_line(&file.description),
+            defaults,
+            notes,
+            content,
+        })
     }
 
     /// The camera for a picture of `width` × `height` pixels, each at least 1.

@@ -1,45 +1,62 @@
-//! Checks of `[materials]`, `[[quads]]` and `[[spheres]]`.
+//! Checks of `[materials]`, `[[quads]]`, `[[spheres]]` and `[[discs]]`.
 
 use super::check::{LARGEST, PARALLEL, SHORTEST, emission, number, triple, vector};
 use super::content::{Shape, Substance, Surface};
 use super::document::{Document, Path};
 use super::error::SceneError;
-use super::file::{MaterialKind, MaterialTable, QuadTable, SphereTable};
+use super::file::{DiscTable, MaterialKind, MaterialTable, QuadTable, SphereTable};
 use super::text::{nearest, one_line};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
 /// The materials of a scene.
 #[derive(Default)]
-pub(super) struct Palette<'a> {
+pub(super) struct Palette {
     /// Indices by name.
-    names: BTreeMap<&'a str, usize>,
+    names: BTreeMap<String, usize>,
     /// The materials.
     pub materials: Vec<Substance>,
+    /// Index of the picture on each.
+    pub pictures: Vec<Option<u32>>,
     /// Index of the black of lights without a material, once there is one.
     black: Option<usize>,
 }
 
-impl<'a> Palette<'a> {
+impl Palette {
     /// Checks and adds a material.
     pub fn add(
         &mut self,
         document: &Document<'_>,
         path: &Path,
-        name: &'a str,
+        name: &str,
         table: &MaterialTable,
+        picture: Option<u32>,
     ) -> Result<(), SceneError> {
-        self.names.insert(name, self.materials.len());
-        self.materials.push(material(document, &path.key(name), table)?);
+        let path = path.key(name);
+        if self.names.insert(name.to_string(), self.materials.len()).is_some() {
+            return Err(document.field_error(&path, "is there twice, here and in an included file; rename one"));
+        }
+        let material = material(document, &path, table)?;
+        if picture.is_some() && matches!(material, Substance::Dielectric(_)) {
+            return Err(document.field_error(&path.key("texture"), "means nothing for a dielectric; remove it"));
+        }
+        self.push(material, picture);
         Ok(())
     }
 
+    /// Adds a material without a name and returns its index.
+    pub fn push(&mut self, material: Substance, picture: Option<u32>) -> usize {
+        self.materials.push(material);
+        self.pictures.push(picture);
+        self.materials.len() - 1
+    }
+
     /// The index of the material that the field `path` names.
-    fn find(&self, document: &Document<'_>, path: &Path, name: &str) -> Result<usize, SceneError> {
+    pub fn find(&self, document: &Document<'_>, path: &Path, name: &str) -> Result<usize, SceneError> {
         if let Some(&index) = self.names.get(name) {
             return Ok(index);
         }
-        let meant = nearest(name, self.names.keys().copied());
+        let meant = nearest(name, self.names.keys().map(String::as_str));
         let meant = meant.map_or(String::new(), |name| format!(" (did you mean \"{}\"?)", one_line(name)));
         let known: Vec<String> = self.names.keys().map(|name| format!("\"{name}\"")).collect();
         let known = if known.is_empty() {
@@ -51,11 +68,12 @@ impl<'a> Palette<'a> {
     }
 
     /// The index of a material that reflects nothing.
-    fn black(&mut self) -> usize {
-        *self.black.get_or_insert_with(|| {
-            self.materials.push(Substance::Lambertian(DVec3::ZERO));
-            self.materials.len() - 1
-        })
+    pub fn black(&mut self) -> usize {
+        if let Some(black) = self.black {
+            return black;
+        }
+        let black = self.push(Substance::Lambertian(DVec3::ZERO), None);
+        *self.black.insert(black)
     }
 }
 
@@ -95,7 +113,7 @@ pub(super) fn quad(
     document: &Document<'_>,
     path: &Path,
     table: &QuadTable,
-    palette: &mut Palette<'_>,
+    palette: &mut Palette,
 ) -> Result<Surface, SceneError> {
     let corner = vector(document, &path.key("corner"), table.corner)?;
     let edge = |key: &str, value| {
@@ -138,10 +156,30 @@ pub(super) fn sphere(
     document: &Document<'_>,
     path: &Path,
     table: &SphereTable,
-    palette: &Palette<'_>,
+    palette: &Palette,
 ) -> Result<Surface, SceneError> {
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
     let material = palette.find(document, &path.key("material"), &table.material)?;
     Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance: None, object: 0, has_corners: false })
+}
+
+/// Checks a disc.
+pub(super) fn disc(
+    document: &Document<'_>,
+    path: &Path,
+    table: &DiscTable,
+    palette: &Palette,
+) -> Result<Surface, SceneError> {
+    let centre = vector(document, &path.key("centre"), table.centre)?;
+    let normal = vector(document, &path.key("normal"), table.normal)?;
+    if normal.length() < SHORTEST {
+        return Err(document.field_error(&path.key("normal"), "has no length; use [0, 1, 0], for example"));
+    }
+    let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
+    let material = palette.find(document, &path.key("material"), &table.material)?;
+    let edge_u = normal.normalize().any_orthonormal_vector() * (2.0 * radius);
+    let edge_v = normal.normalize().cross(edge_u);
+    let shape = Shape::Disc { corner: centre - (edge_u + edge_v) / 2.0, edge_u, edge_v };
+    Ok(Surface { shape, material, radiance: None, object: 0, has_corners: false })
 }

@@ -86,10 +86,7 @@ fn a_hit_is_on_the_sphere_even_of_a_tangent() {
             met += 1;
             let along = |axis: usize| f64::from(origin[axis]) + f64::from(direction[axis]) * f64::from(t);
             let at = (along(0).powi(2) + along(1).powi(2) + along(2).powi(2)).sqrt();
-            assert!(
-                (at - 1.0).abs() < 2048.0 / f64::from(1 << 24),
-                "{at} from the centre after {t}, slope {slope}"
-            );
+            assert!((at - 1.0).abs() < 2048.0 / f64::from(1 << 24), "{at} from the centre after {t}, slope {slope}");
         }
     }
     assert!(met > 20_000, "{met}");
