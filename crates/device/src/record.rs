@@ -9,8 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target,
-    Texel, Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, LedgerBlock, LedgerPass, LedgerSum, Light, Material, PhotonPass,
+    Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -55,14 +55,18 @@ records! {
     SceneInfo: "uuuuuu",
     BvhNode: "fffufffu",
     Primitive: "uuufffffffffffff",
-    Material: "fffuffuu",
+    Material: "fffuffuufffff",
     Corners: "uuuffffff",
     Texture: "uuuu",
     Texel: "uu",
-    Light: "fffufffuffffffffffff",
+    Light: "fffufffuffffffffffffuuuu",
     Target: "ffff",
     CameraTile: "uuuu",
-    Camera: "fffufffuffffff",
+    Tally: "fffffffffffffff",
+    LedgerPass: "u",
+    LedgerBlock: "uu",
+    LedgerSum: "fffffffffffffffffuu",
+    Camera: "fffufffufffffffffffff",
     Vertex: "fffuffffffu",
     FilmTile: "uuuu",
     Pixel: "fffuuuuu",

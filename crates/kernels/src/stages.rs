@@ -273,13 +273,15 @@ macro_rules! stages {
             each CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
-                8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32
-            ) = trace::count_photons[false, _, _, _];
+                8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32,
+                13 tallies: Out Tally
+            ) = trace::count_photons[false, _, _, _, _];
             each CountPhotonsFull = count_photons_full [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
-                8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32
-            ) = trace::count_photons[true, _, _, _];
+                8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32,
+                13 tallies: Out Tally
+            ) = trace::count_photons[true, _, _, _, _];
             each StorePhotons = store_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
@@ -292,6 +294,9 @@ macro_rules! stages {
                 8 textures: In Texture, 9 texels: In Texel, 10 counts: In u32, 11 offsets: In u32, 12 block_offsets: In u32,
                 13 photons: Out Photon
             ) = trace::store_photons[true, _];
+            each SumLedger = sum_ledger [64] (
+                0 pass: One LedgerPass, 1 blocks: In LedgerBlock, 2 tallies: In Tally, 3 sums: Out LedgerSum
+            ) = trace::sum_ledger;
             each TraceCamera = trace_camera [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
                 4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 corners: In Corners,
@@ -304,11 +309,11 @@ macro_rules! stages {
             ) = trace::trace_camera[true, _, _];
             each ShadeDirect = shade_direct [64] (
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 lights: In Light, 5 queries: In Query, 6 vertices: In Vertex, 7 direct: Out Irradiance
+                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex, 8 direct: Out Irradiance
             ) = trace::shade_direct[false, _];
             each ShadeDirectFull = shade_direct_full [64] (
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 lights: In Light, 5 queries: In Query, 6 vertices: In Vertex, 7 direct: Out Irradiance
+                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex, 8 direct: Out Irradiance
             ) = trace::shade_direct[true, _];
             each DevelopFilm = develop_film [64] (
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
@@ -345,6 +350,9 @@ macro_rules! stages {
             each LayoutSurface = layout_surface [64] (
                 0 corners: In Corners, 1 textures: In Texture, 2 texels: In Texel, 3 words: Out u32
             ) = probe::layout_surface;
+            each LayoutLedger = layout_ledger [64] (
+                0 tallies: In Tally, 1 pass: In LedgerPass, 2 blocks: In LedgerBlock, 3 sums: In LedgerSum, 4 words: Out u32
+            ) = probe::layout_ledger;
             each LayoutFilm = layout_film [64] (
                 0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,
                 5 words: Out u32

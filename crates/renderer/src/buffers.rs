@@ -77,10 +77,10 @@ impl SceneBuffers {
         })
     }
 
-    /// What the kernels of photons take after their pass.
+    /// What the kernels of photons take after their pass; `lights` are those of [`CompiledScene::lights_for`].
     #[must_use]
-    pub fn for_photons(&self) -> [&Buffer; 9] {
-        let Self { info, nodes, primitives, materials, lights, targets, corners, textures, texels, .. } = self;
+    pub fn for_photons<'a>(&'a self, lights: &'a Buffer) -> [&'a Buffer; 9] {
+        let Self { info, nodes, primitives, materials, targets, corners, textures, texels, .. } = self;
         [info, nodes, primitives, materials, lights, targets, corners, textures, texels]
     }
 

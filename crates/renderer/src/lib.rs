@@ -6,6 +6,7 @@ pub mod scene;
 mod buffers;
 mod crowd;
 mod error;
+mod ledger;
 mod pace;
 mod passes;
 mod photons;
@@ -16,6 +17,7 @@ mod verify;
 
 pub use buffers::{SceneBuffers, Tracers};
 pub use error::RenderError;
+pub use ledger::LightLedger;
 pub use passes::{View, trace_photons};
 pub use render::{Rendered, render};
 pub use report::{MapReport, Progress, RenderReport};

@@ -21,10 +21,11 @@ pub fn trace_photons(
     emitted: u32,
     seed: u32,
 ) -> Result<Vec<Photon>, RenderError> {
-    let buffers = SceneBuffers::new(device, &scene.compile())?;
+    let scene = scene.compile();
+    let buffers = SceneBuffers::new(device, &scene)?;
     let kind =
         if show == Show::MapCaustic { PassKind::caustic(emitted, show) } else { PassKind::global(emitted, show) };
-    let (photons, report) = trace(device, &buffers, seed, &kind, &mut |_| true)?;
+    let (photons, report) = trace(device, &scene, &buffers, seed, &kind, &mut |_| true)?;
     photons.map_or(Ok(Vec::new()), |photons| Ok(device.read(&photons, u64::from(report.photons_stored))?))
 }
 

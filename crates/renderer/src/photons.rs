@@ -1,6 +1,7 @@
 //! A photon pass: count, scan, store, build.
 
 use crate::buffers::SceneBuffers;
+use crate::ledger::Books;
 use crate::pace::Pace;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
@@ -8,7 +9,7 @@ use crate::{RenderError, Settings, Show};
 use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL};
+use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally};
 use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
@@ -76,7 +77,7 @@ pub(crate) fn photon_map(
     kind: &PassKind,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<PhotonMap>, MapReport), RenderError> {
-    let (photons, mut report) = trace(device, buffers, settings.seed, kind, progress)?;
+    let (photons, mut report) = trace(device, scene, buffers, settings.seed, kind, progress)?;
     let Some(unsorted) = photons else { return Ok((None, report)) };
     let stored = u64::from(report.photons_stored);
     let (low, high) = scene.diffuse_bounds;
@@ -97,21 +98,27 @@ pub(crate) fn photon_map(
 /// Traces the photons of a pass, in the order of their paths. There is no buffer if nothing was stored.
 pub(crate) fn trace(
     device: &Device,
+    scene: &CompiledScene,
     buffers: &SceneBuffers,
     seed: u32,
     kind: &PassKind,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<Buffer>, MapReport), RenderError> {
+    // Every light emits one photon at least.
+    let emitted = kind.emitted.max(scene.fewest_photons(kind.rays));
+    let lights = scene.lights_for(emitted, kind.rays);
+    let light_buffer = device.upload("lights of a pass", &lights)?;
+    let mut books = Books::new(lights.len());
     let mut report = MapReport {
         map: kind.map,
-        photons_emitted: kind.emitted,
+        photons_emitted: emitted,
         photons_stored: 0,
         segments: 0,
         paths_cut: 0,
+        ledger: Vec::new(),
         table_entries: 0,
         bytes: 0,
     };
-    let emitted = kind.emitted;
     let counts = device.scratch::<u32>("photon counts", u64::from(emitted))?;
     let total = 2 * u64::from(emitted);
     let mut tick = |done: u32, times: u64| {
@@ -121,6 +128,7 @@ pub(crate) fn trace(
     };
     let fates = device.scratch::<u32>("photon fates", u64::from(emitted.min(CHUNK)))?;
     let segments = device.scratch::<u32>("photon segments", u64::from(emitted.min(CHUNK)))?;
+    let tallies = device.scratch::<Tally>("photon tallies", u64::from(emitted.min(CHUNK)))?;
     let mut landed = 0u64;
     let mut pace = Pace::new(device, FIRST_CHUNK, CHUNK, CHUNK);
     // The dispatches: stored photons are traced in the same ones.
@@ -136,11 +144,17 @@ pub(crate) fn trace(
         let params = device.upload("photon pass", &[pass])?;
         let mut plan = Plan::new();
         plan.scope(kind.map);
-        let outputs = [&counts, &fates, &segments];
-        plan.each(buffers.kernels.count, pass.paths, &[&[&params], &buffers.for_photons()[..], &outputs].concat());
+        let outputs = [&counts, &fates, &segments, &tallies];
+        plan.each(
+            buffers.kernels.count,
+            pass.paths,
+            &[&[&params], &buffers.for_photons(&light_buffer)[..], &outputs].concat(),
+        );
         let [_, _, block_fates] = scan(device, &mut plan, &fates, pass.paths)?;
         let [_, _, block_segments] = scan(device, &mut plan, &segments, pass.paths)?;
+        books.plan(device, &mut plan, &pass, &lights, &tallies)?;
         pace.run(|| device.run(&plan))?;
+        books.enter(device)?;
         let blocks = u64::from(pass.paths.div_ceil(SCAN_BLOCK));
         report.segments += device.read::<u32>(&block_segments, blocks)?.into_iter().map(u64::from).sum::<u64>();
         for fates in device.read::<u32>(&block_fates, blocks)? {
@@ -148,7 +162,8 @@ pub(crate) fn trace(
             report.paths_cut += fates / FATE_CUT;
         }
     }
-    drop((fates, segments));
+    drop((fates, segments, tallies));
+    report.ledger = books.ledgers();
     let mut plan = Plan::new();
     plan.scope(kind.map);
     let [offsets, block_offsets, block_totals] = scan(device, &mut plan, &counts, emitted)?;
@@ -183,7 +198,11 @@ pub(crate) fn trace(
         let mut plan = Plan::new();
         plan.scope(kind.map);
         let places = [&counts, &offsets, &block_offsets, &unsorted];
-        plan.each(buffers.kernels.store, pass.paths, &[&[&params], &buffers.for_photons()[..], &places].concat());
+        plan.each(
+            buffers.kernels.store,
+            pass.paths,
+            &[&[&params], &buffers.for_photons(&light_buffer)[..], &places].concat(),
+        );
         device.run(&plan)?;
     }
     tick(emitted, 1)?;

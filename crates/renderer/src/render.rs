@@ -1,6 +1,7 @@
 //! The render: photon maps first, then the image, tile by tile.
 
 use crate::buffers::SceneBuffers;
+use crate::ledger;
 use crate::output::Image;
 use crate::pace::Pace;
 use crate::photons::{PassKind, photon_map};
@@ -9,7 +10,9 @@ use crate::scene::{CompiledScene, Scene};
 use crate::{RenderError, Settings};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::{Irradiance, Query};
-use caustic_kernels::trace::{CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, Vertex};
+use caustic_kernels::trace::{
+    CameraTile, FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, RAY_CAUSTIC, Vertex,
+};
 use caustic_photon_map::PhotonMap;
 use std::time::Instant;
 
@@ -70,6 +73,14 @@ pub fn render(
             "{not_finite} camera samples were not finite and count as black: a radius or power is extreme"
         ));
     }
+    let mut problems: Vec<String> = maps.iter().flat_map(|map| ledger::problems(map.map, &map.ledger)).collect();
+    problems.extend(maps.iter().filter(|map| map.paths_cut > 0).map(|map| cut(map)));
+    problems.extend(
+        [(lost, "given up"), (not_finite, "not finite")]
+            .into_iter()
+            .filter(|(samples, _)| *samples > 0)
+            .map(|(samples, what)| format!("{samples} camera samples were {what}")),
+    );
     let [width, height] = settings.size;
     let image = Image { width, height, rgb: film.iter().map(|pixel| pixel.rgb).collect() };
     let report = RenderReport {
@@ -79,6 +90,7 @@ pub fn render(
         maps,
         camera_rays: count(|pixel| pixel.rays),
         notes,
+        problems,
         stages: device.stage_times(),
         buffers: device.buffer_bytes(),
         peak_bytes: device.total_bytes().1,
@@ -105,7 +117,8 @@ fn global_pass(settings: &Settings) -> Option<PassKind> {
 
 fn caustic_pass(settings: &Settings, scene: &CompiledScene) -> Option<PassKind> {
     let wanted = settings.show.parts() & PART_CAUSTIC != 0;
-    let possible = wanted && scene.has_specular && settings.caustic_photons > 0;
+    let aimed = scene.fewest_photons(RAY_CAUSTIC) > 0;
+    let possible = wanted && scene.has_specular && aimed && settings.caustic_photons > 0;
     possible.then(|| PassKind::caustic(settings.caustic_photons, settings.show))
 }
 
@@ -124,10 +137,15 @@ fn build(
         notes.push(format!("the {} map is empty: no such light was found", kind.map));
     }
     if report.paths_cut > 0 {
-        notes.push(format!("{} paths of the {} map were given up after 1024 bounces", report.paths_cut, kind.map));
+        notes.push(cut(&report));
     }
+    notes.extend(ledger::problems(kind.map, &report.ledger));
     maps.push(report);
     Ok(map)
+}
+
+fn cut(report: &MapReport) -> String {
+    format!("{} paths of the {} map were given up after 1024 bounces", report.paths_cut, report.map)
 }
 
 /// The second pass.
@@ -192,7 +210,7 @@ impl Camera<'_> {
         [tile, film_tile, film]: [&Buffer; 3],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, .. } = *self;
-        let SceneBuffers { kernels, info, nodes, primitives, lights, .. } = self.buffers;
+        let SceneBuffers { kernels, info, nodes, primitives, materials, lights, .. } = self.buffers;
         let [width, height] = settings.size;
         let samples = pixels * settings.spp;
         let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
@@ -205,7 +223,11 @@ impl Camera<'_> {
         let seen = [&queries, &vertices];
         plan.each(kernels.camera, samples, &[&[tile, &camera], &self.buffers.for_camera()[..], &seen].concat());
         if parts & PART_DIRECT != 0 {
-            plan.each(kernels.direct, samples, &[tile, info, nodes, primitives, lights, &queries, &vertices, &direct]);
+            plan.each(
+                kernels.direct,
+                samples,
+                &[tile, info, nodes, primitives, materials, lights, &queries, &vertices, &direct],
+            );
         }
         let mut estimates = Vec::new();
         for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {

@@ -1,5 +1,6 @@
 //! What a render says of itself.
 
+use crate::LightLedger;
 use caustic_device::{BufferBytes, StageTime};
 use serde::Serialize;
 
@@ -27,6 +28,8 @@ pub struct MapReport {
     pub segments: u64,
     /// Paths that were given up after too many bounces; their light is missing.
     pub paths_cut: u32,
+    /// Where the power of each light went, in the order of the scene's lights.
+    pub ledger: Vec<LightLedger>,
     /// Entries of the hash table.
     pub table_entries: u32,
     /// Bytes of the finished map.
@@ -48,6 +51,8 @@ pub struct RenderReport {
     pub camera_rays: u64,
     /// What was left out and why, and what is worth a look.
     pub notes: Vec<String>,
+    /// What makes the picture doubtful: power that cannot be accounted for, numbers that are not finite, paths that were given up.
+    pub problems: Vec<String>,
     /// Time a stage.
     pub stages: Vec<StageTime>,
     /// Bytes a buffer, now and at the most.

@@ -171,7 +171,7 @@ fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {
 }
 
 /// The kernels that write down where they find fields.
-const LAYOUT_KERNELS: [Kernel; 8] = [
+const LAYOUT_KERNELS: [Kernel; 9] = [
     Kernel::LayoutMap,
     Kernel::LayoutGrid,
     Kernel::LayoutRivals,
@@ -179,6 +179,7 @@ const LAYOUT_KERNELS: [Kernel; 8] = [
     Kernel::LayoutSort,
     Kernel::LayoutScene,
     Kernel::LayoutSurface,
+    Kernel::LayoutLedger,
     Kernel::LayoutFilm,
 ];
 
@@ -300,6 +301,6 @@ mod tests {
             }
             assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
         }
-        assert_eq!(records, 31);
+        assert_eq!(records, 35);
     }
 }

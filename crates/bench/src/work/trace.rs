@@ -6,7 +6,7 @@ use crate::row::Sample;
 use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{PhotonPass, RAY_GLOBAL};
+use caustic_kernels::trace::{PhotonPass, RAY_GLOBAL, Tally};
 use caustic_photon_map::scan;
 use caustic_renderer::SceneBuffers;
 use caustic_renderer::scene::{CompiledScene, Scene};
@@ -34,6 +34,8 @@ impl<'a> Trace<'a> {
         let counts = device.scratch::<u32>("photon counts", n.into())?;
         let fates = device.scratch::<u32>("photon fates", n.min(CHUNK).into())?;
         let segments = device.scratch::<u32>("photon segments", n.min(CHUNK).into())?;
+        let tallies = device.scratch::<Tally>("photon tallies", n.min(CHUNK).into())?;
+        let lights = device.upload("lights of a pass", &scene.lights_for(n, RAY_GLOBAL))?;
         let mut passes = Vec::new();
         for first in (0..n).step_by(CHUNK as usize) {
             let paths = CHUNK.min(n - first);
@@ -44,8 +46,8 @@ impl<'a> Trace<'a> {
         let mut walked = 0;
         plan.scope("count");
         for (paths, pass) in &passes {
-            let outputs = [&counts, &fates, &segments];
-            let buffers = [&[pass], &scene_buffers.for_photons()[..], &outputs].concat();
+            let outputs = [&counts, &fates, &segments, &tallies];
+            let buffers = [&[pass], &scene_buffers.for_photons(&lights)[..], &outputs].concat();
             plan.each(kernels.count, *paths, &buffers);
             // What a pass counts is overwritten by the next: summed here, once.
             let mut once = Plan::new();
@@ -64,7 +66,7 @@ impl<'a> Trace<'a> {
         plan.scope("store");
         for (paths, pass) in &passes {
             let places = [&counts, &offsets, &block_offsets, &photons];
-            plan.each(kernels.store, *paths, &[&[pass], &scene_buffers.for_photons()[..], &places].concat());
+            plan.each(kernels.store, *paths, &[&[pass], &scene_buffers.for_photons(&lights)[..], &places].concat());
         }
         Ok(Self { device, scene, plan, photons, stored: stored as u32, segments: walked })
     }

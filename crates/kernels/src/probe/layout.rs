@@ -12,8 +12,8 @@ use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Target,
-    Texel, Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, LedgerBlock, LedgerPass, LedgerSum, Light, Material, PhotonPass,
+    Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
 };
 
 /// Words that a layout kernel writes at most.
@@ -38,6 +38,17 @@ impl Words for f32 {
     fn write<W: Store<u32> + ?Sized>(self, at: u32, words: &mut W) -> u32 {
         words.set(at, self.to_bits());
         at + 1
+    }
+}
+
+impl Words for Tally {
+    #[inline]
+    fn write<W: Store<u32> + ?Sized>(self, at: u32, words: &mut W) -> u32 {
+        let at = self.emitted.write(at, words);
+        let at = self.absorbed.write(at, words);
+        let at = self.escaped.write(at, words);
+        let at = self.landed.write(at, words);
+        self.lost.write(at, words)
     }
 }
 
@@ -118,8 +129,11 @@ layouts! {
         info: SceneInfo { primitives, lights, targets, nodes, lists, first_corners },
         nodes: BvhNode { near, skip, far, leaf },
         primitives: Primitive { kind, material, light, size, position, normal, sides },
-        materials: Material { reflectance, kind, ior, survival, texture, roughness_texture },
-        lights: Light { emission, kind, position, primitive, edges, normal, area, probability, cumulative }
+        materials: Material { reflectance, kind, ior, survival, texture, roughness_texture, roughness, metallic, absorption },
+        lights: Light {
+            emission, kind, position, primitive, edges, normal, area, probability, cumulative, first_photon, photons,
+            first_target, targets
+        }
     );
     /// Records of surfaces that are more than flat and of one colour.
     layout_surface(
@@ -127,9 +141,16 @@ layouts! {
         textures: Texture { first, width, height, wrap },
         texels: Texel { rg, ba }
     );
+    /// Records of the energy ledger.
+    layout_ledger(
+        tallies: Tally { emitted, absorbed, escaped, landed, lost },
+        pass: LedgerPass { blocks },
+        blocks: LedgerBlock { first, paths },
+        sums: LedgerSum { power, imbalance, imbalance2, paths, not_finite }
+    );
     /// Records of the camera and the film.
     layout_film(
-        camera: Camera { origin, width, corner, height, right, down },
+        camera: Camera { origin, width, corner, height, right, down, lens, focus },
         tile: CameraTile { first_pixel, pixels, samples, seed },
         vertices: Vertex { normal, primitive, weight, emitted, rays },
         film_tile: FilmTile { first_pixel, pixels, samples, parts },

@@ -1,16 +1,18 @@
 //! Camera paths, down to the first diffuse surface.
 
 use super::MAX_BOUNCES;
+use super::bsdf::{albedo_diffuse, evaluate_specular, is_glossy, sample_specular, scatter_specular, specular_chance};
 use super::bvh::BvhNode;
-use super::intersect::{LOST, MISS, closest_hit, leave};
-use super::material::scatter_specular;
+use super::intersect::{BLOCKED, LOST, MISS, closest_hit, leave, occluded};
+use super::light::{choose_light, is_surface, look, look_density, power_heuristic};
+use super::medium::{VACUUM, leaks, medium_after, medium_before, seen_from_outside, transmittance};
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
-use super::surface::{Corners, material_at, surface_at};
+use super::surface::{Corners, Surface, material_at, surface_at};
 use super::texture::{Texel, Texture};
 use super::vector::{dot, normalize};
 use crate::exec::{Input, Store};
 use crate::layout::Query;
-use crate::num::{Rng, div, pcg4d, shuffle_index, sobol2};
+use crate::num::{Rng, abs, div, max, pcg4d, shuffle_index, sin_cos_turns, sobol2, sqrt};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -18,8 +20,14 @@ use glam::Vec3;
 const STREAM: u32 = 2;
 /// Key of the sequence that places samples on the film; [`direct`](super::direct) has others.
 const FILM_KEY: u32 = 0x5f1a_0000;
+/// Key of the sequence that places samples on the lens.
+const LENS_KEY: u32 = 0x5f1a_0003;
+/// First dimension of the numbers for shadow rays of glossy surfaces; bounces have those below.
+const SHADOW_DIMENSION: u32 = MAX_BOUNCES;
+/// A throughput below which a path has ended: a product of it is no longer a normal float.
+const NOTHING: f32 = 1e-30;
 
-/// A pinhole camera.
+/// A camera: a pinhole, or a thin lens.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Camera {
@@ -35,6 +43,10 @@ pub struct Camera {
     pub right: [f32; 3],
     /// One pixel down.
     pub down: [f32; 3],
+    /// Two radii of the lens across each other and the view, m; none of a pinhole. Only FULL kernels know lenses.
+    pub lens: [[f32; 3]; 2],
+    /// Distance of the plane that is in focus, m.
+    pub focus: f32,
 }
 
 /// The part of the film that one plan renders.
@@ -68,6 +80,10 @@ pub struct Vertex {
 }
 
 /// Follows sample `i` of the tile through mirrors and glass to the first diffuse surface.
+///
+/// Where a surface has both a diffuse lobe and another, one of them is chosen: through the diffuse one the path ends, through the other
+/// it goes on. What a glossy lobe sees of the lights comes both from a shadow ray and from paths that meet a light, each
+/// weighed by the power heuristic.
 #[inline]
 pub fn trace_camera<const FULL: bool, Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
     i: u32,
@@ -90,16 +106,14 @@ pub fn trace_camera<const FULL: bool, Q: Store<Query> + ?Sized, V: Store<Vertex>
     let pixel = tile.first_pixel + i / tile.samples;
     let sample = i % tile.samples;
     let rng = Rng { seed: tile.seed, stream: STREAM ^ (sample << 8), index: pixel };
-    let jitter = pixel_sobol(pixel, sample, tile.seed, FILM_KEY);
-    let x = (pixel % camera.width) as f32 + jitter[0];
-    let y = (pixel / camera.width) as f32 + jitter[1];
-    let mut direction = normalize(
-        Vec3::from_array(camera.corner) + Vec3::from_array(camera.right) * x + Vec3::from_array(camera.down) * y,
-    );
-    let mut origin = Vec3::from_array(camera.origin);
+    let (mut origin, mut direction) = eye_ray::<FULL>(camera, pixel, sample, tile.seed);
     let mut throughput = Vec3::ONE;
     let mut query = Query { position: [0.0; 3], active: 0 };
     let mut vertex = Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0 };
+    let mut emitted = Vec3::ZERO;
+    let mut medium = VACUUM;
+    // Density with which the glossy lobe of the last surface drew the direction; 0 where shadow rays do not draw it.
+    let mut density = 0.0;
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
         vertex.rays += 1;
@@ -113,26 +127,154 @@ pub fn trace_camera<const FULL: bool, Q: Store<Query> + ?Sized, V: Store<Vertex>
         let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
         let point = surface.position;
         let cos = dot(direction, surface.normal);
+        // Radiance inside of a medium, seen from where the camera is.
+        let mut seen = 1.0;
+        if FULL {
+            medium = medium_before(medium, &material, primitive.material, cos);
+            if medium != VACUUM {
+                let inside = materials[medium as usize];
+                throughput *= transmittance(&inside, hit.t);
+                seen *= seen_from_outside(&inside);
+            }
+        }
         if primitive.light != NO_LIGHT && cos < 0.0 {
-            vertex.emitted = (throughput * Vec3::from_array(lights[primitive.light as usize].emission)).to_array();
+            let light = lights[primitive.light as usize];
+            let mut found = throughput * Vec3::from_array(light.emission);
+            if FULL {
+                found *= seen;
+                if density > 0.0 {
+                    found *= power_heuristic(density, look_density(&light, origin, direction, hit.t));
+                }
+            }
+            emitted += found;
         }
         if material.kind == MATERIAL_LAMBERTIAN {
             query = Query { position: point.to_array(), active: 1 };
             vertex.normal = surface.facing(surface.shading, direction).to_array();
             vertex.primitive = hit.primitive;
-            let reflected = throughput * Vec3::from_array(material.reflectance);
+            let mut reflected = throughput * Vec3::from_array(material.reflectance);
+            if FULL {
+                reflected *= seen;
+            }
             vertex.weight = (reflected * div(1.0, core::f32::consts::PI)).to_array();
             break;
         }
         let draw = rng.draw4(bounce);
-        let scattered = scatter_specular(&material, direction, surface.shading, draw[0]);
+        if !FULL {
+            let scattered = scatter_specular(&material, direction, surface.shading, draw[0]);
+            throughput *= scattered.weight;
+            direction = scattered.direction;
+            origin = leave(point, surface.side(scattered.side, direction), &primitive);
+            bounce += 1;
+            continue;
+        }
+        let cos_seen = abs(dot(direction, surface.shading));
+        let chance = specular_chance(&material, cos_seen);
+        if is_glossy(&material) && info.lights > 0 {
+            let random = rng.draw4(SHADOW_DIMENSION + bounce);
+            let lit = light_on_gloss(
+                direction, &surface, &primitive, &material, chance, random, info, nodes, primitives, lights,
+            );
+            emitted += throughput * lit.0 * seen;
+            vertex.rays += lit.1;
+            if lit.2 {
+                vertex.primitive = LOST;
+                break;
+            }
+        }
+        if draw[3] >= chance {
+            query = Query { position: point.to_array(), active: 1 };
+            vertex.normal = surface.facing(surface.shading, direction).to_array();
+            vertex.primitive = hit.primitive;
+            let reflected = throughput * albedo_diffuse(&material, cos_seen) * seen;
+            vertex.weight = (reflected * div(1.0, core::f32::consts::PI * (1.0 - chance))).to_array();
+            break;
+        }
+        let scattered = sample_specular(&material, direction, surface.shading, [draw[1], draw[2], draw[0]]);
         throughput *= scattered.weight;
+        if chance < 1.0 {
+            throughput *= div(1.0, chance);
+        }
+        density = scattered.pdf * chance;
         direction = scattered.direction;
-        origin = leave(point, surface.side(scattered.side, direction), &primitive);
+        let side = surface.side(scattered.side, direction);
+        if leaks(&material, &surface, cos, side) {
+            throughput = Vec3::ZERO;
+        }
+        medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+        origin = leave(point, side, &primitive);
+        if max(throughput.x, max(throughput.y, throughput.z)) < NOTHING {
+            vertex.primitive = MISS;
+            break;
+        }
         bounce += 1;
     }
+    vertex.emitted = emitted.to_array();
     queries.set(i, query);
     vertices.set(i, vertex);
+}
+
+/// The ray of a sample: its origin and unit direction.
+#[inline]
+fn eye_ray<const FULL: bool>(camera: &Camera, pixel: u32, sample: u32, seed: u32) -> (Vec3, Vec3) {
+    let jitter = pixel_sobol(pixel, sample, seed, FILM_KEY);
+    let x = (pixel % camera.width) as f32 + jitter[0];
+    let y = (pixel / camera.width) as f32 + jitter[1];
+    let origin = Vec3::from_array(camera.origin);
+    let forward =
+        Vec3::from_array(camera.corner) + Vec3::from_array(camera.right) * x + Vec3::from_array(camera.down) * y;
+    if FULL && camera.focus > 0.0 {
+        // The film's plane is at distance 1, so this is the point in focus; all of the lens sees it at one place.
+        let [u, v] = pixel_sobol(pixel, sample, seed, LENS_KEY);
+        let (sin, cos) = sin_cos_turns(v);
+        let r = sqrt(u);
+        let on_lens = Vec3::from_array(camera.lens[0]) * (r * cos) + Vec3::from_array(camera.lens[1]) * (r * sin);
+        return (origin + on_lens, normalize(forward * camera.focus - on_lens));
+    }
+    (origin, normalize(forward))
+}
+
+/// What the glossy lobe sends back of one place of one light, by a shadow ray: radiance for the path's throughput, the number of rays, and
+/// whether one was lost.
+#[inline]
+fn light_on_gloss(
+    direction: Vec3,
+    surface: &Surface,
+    primitive: &Primitive,
+    material: &Material,
+    chance: f32,
+    random: [f32; 4],
+    info: &SceneInfo,
+    nodes: &Input<BvhNode>,
+    primitives: &Input<Primitive>,
+    lights: &Input<Light>,
+) -> (Vec3, u32, bool) {
+    let nothing = (Vec3::ZERO, 0, false);
+    let light = lights[choose_light(random[0], info, lights) as usize];
+    let glimpse = look::<true>(&light, surface.position, random[1], random[2]);
+    if glimpse.distance <= 0.0 {
+        return nothing;
+    }
+    let (value, pdf) = evaluate_specular(material, direction, glimpse.direction, surface.shading);
+    let geometry = glimpse.geometry(1.0, light.probability);
+    let mut radiance = value * glimpse.emission * geometry;
+    if radiance.x + radiance.y + radiance.z <= 0.0 {
+        return nothing;
+    }
+    // The sampler's side by the shading normal has to be the side by the surface itself, or light would leak through.
+    let by_shading = dot(glimpse.direction, surface.shading) > 0.0;
+    let by_surface = dot(glimpse.direction, surface.normal) > 0.0;
+    if by_shading != by_surface {
+        return nothing;
+    }
+    if is_surface(&light) {
+        radiance *= power_heuristic(div(1.0, geometry), pdf * chance);
+    }
+    let side = if by_surface { surface.normal } else { -surface.normal };
+    let origin = leave(surface.position, side, primitive);
+    let blocker =
+        occluded::<true>(origin, glimpse.direction, glimpse.distance, light.primitive, info, nodes, primitives);
+    if blocker == BLOCKED { (Vec3::ZERO, 1, false) } else { (radiance, 1, blocker == LOST) }
 }
 
 /// Sample `sample` of a pixel's own shuffled and scrambled (0, 2)-sequence: the samples of a pixel are stratified, and those

@@ -1,22 +1,23 @@
 //! Light that arrives straight from the lights, by shadow rays.
 
+use super::bsdf::entrance;
 use super::bvh::BvhNode;
 use super::camera::{CameraTile, Vertex, pixel_sobol};
-use super::emission::{choose_light, light_point};
 use super::intersect::{LOST, MISS, leave, occluded};
-use super::scene::{LIGHT_AREA, Light, PRIMITIVE_SPHERE, Primitive, SceneInfo};
+use super::light::{choose_light, look};
+use super::scene::{Light, Material, PRIMITIVE_SPHERE, Primitive, SceneInfo};
 use super::vector::dot;
 use crate::exec::{Input, Store};
 use crate::gather::CUT_SHORT;
 use crate::layout::{Irradiance, Query};
-use crate::num::{div, sqrt};
 use glam::Vec3;
 
 const POINT_KEY: u32 = 0x5f1a_0001;
 const CHOICE_KEY: u32 = 0x5f1a_0002;
 
 /// Irradiance of vertex `i` from one point of one light: L·cos θ·cos θ'·A / d² over the light's chance, or I·cos θ / d² for
-/// a point light. Glass blocks shadow rays: what it lets through is a caustic. In place of photons it counts shadow rays.
+/// a point light; as much of it as reaches the diffuse lobe. Glass blocks shadow rays: what it lets through is a caustic. In place
+/// of photons it counts shadow rays.
 #[inline]
 pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
     i: u32,
@@ -24,6 +25,7 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
     info: &SceneInfo,
     nodes: &Input<BvhNode>,
     primitives: &Input<Primitive>,
+    materials: &Input<Material>,
     lights: &Input<Light>,
     queries: &Input<Query>,
     vertices: &Input<Vertex>,
@@ -50,25 +52,23 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
             side = if dot(side, normal) < 0.0 { -side } else { side };
         }
         let origin = leave(Vec3::from_array(query.position), side, &primitive);
-        let to_light = light_point(&light, at[0], at[1]) - origin;
-        let distance2 = dot(to_light, to_light);
-        let distance = sqrt(distance2);
-        if distance > 0.0 {
-            let direction = to_light * div(1.0, distance);
+        let glimpse = look::<FULL>(&light, origin, at[0], at[1]);
+        if glimpse.distance > 0.0 {
+            let direction = glimpse.direction;
             let cos = dot(normal, direction);
             let mut geometry = 0.0;
             if cos > 0.0 && dot(side, direction) > 0.0 {
-                geometry = div(cos, distance2 * light.probability);
-                if light.kind == LIGHT_AREA {
-                    let cos_light = -dot(Vec3::from_array(light.normal), direction);
-                    geometry = if cos_light > 0.0 { geometry * cos_light * light.area } else { 0.0 };
+                geometry = glimpse.geometry(cos, light.probability);
+                if FULL {
+                    geometry *= entrance(&materials[primitive.material as usize], cos);
                 }
             }
             if geometry > 0.0 {
-                let blocker = occluded::<FULL>(origin, direction, distance, light.primitive, info, nodes, primitives);
+                let except = light.primitive;
+                let blocker = occluded::<FULL>(origin, direction, glimpse.distance, except, info, nodes, primitives);
                 result.photons = 1;
                 if blocker == MISS {
-                    result.rgb = (Vec3::from_array(light.emission) * geometry).to_array();
+                    result.rgb = (glimpse.emission * geometry).to_array();
                 } else if blocker == LOST {
                     result.photons = CUT_SHORT;
                 }

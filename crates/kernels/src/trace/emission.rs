@@ -1,10 +1,13 @@
 //! How photons leave the lights.
 
+use super::light::{light_point, spot_falloff};
 use super::photons::{PhotonPass, RAY_GLOBAL};
-use super::scene::{LIGHT_AREA, Light, NO_LIGHT, SceneInfo, Target};
-use super::vector::{dot, normalize, sample_cone, sample_cosine};
+use super::scene::{
+    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NO_LIGHT, SceneInfo, Target,
+};
+use super::vector::{axis_direction, cone, dot, sample_cone, sample_cosine};
 use crate::exec::Input;
-use crate::num::{Rng, div, sqrt};
+use crate::num::{Rng, div, sin_cos_turns, sqrt};
 use glam::Vec3;
 
 const PI: f32 = core::f32::consts::PI;
@@ -13,6 +16,8 @@ const PI: f32 = core::f32::consts::PI;
 pub struct Emitted {
     /// Where, m.
     pub origin: Vec3,
+    /// Unit normal of the light there, if it is a surface.
+    pub normal: Vec3,
     /// Unit direction of travel.
     pub direction: Vec3,
     /// Power, W, for each of red, green and blue; 0 if it was aimed where the light does not shine.
@@ -21,38 +26,35 @@ pub struct Emitted {
     pub primitive: u32,
 }
 
-/// Chooses light by `u`, each with the chance that the host gave it.
+/// The light that emits photon `index` of a pass: the host has given each light its photons, one light's after another's.
 #[inline]
 #[must_use]
-pub fn choose_light(u: f32, info: &SceneInfo, lights: &Input<Light>) -> u32 {
-    let mut chosen = 0;
-    while chosen + 1 < info.lights && u >= lights[chosen as usize].cumulative {
-        chosen += 1;
+pub fn light_of_photon(index: u32, info: &SceneInfo, lights: &Input<Light>) -> u32 {
+    // The last whose first photon is not beyond it and that has any.
+    let mut first = 0;
+    let mut last = info.lights - 1;
+    while first < last {
+        let middle = (first + last) / 2;
+        let light = lights[middle as usize];
+        if index >= light.first_photon + light.photons {
+            first = middle + 1;
+        } else {
+            last = middle;
+        }
     }
-    chosen
-}
-
-/// Point (u, v) of an area light, or the place of a point light.
-#[inline]
-#[must_use]
-pub fn light_point(light: &Light, u: f32, v: f32) -> Vec3 {
-    let position = Vec3::from_array(light.position);
-    if light.kind == LIGHT_AREA {
-        position + Vec3::from_array(light.edges[0]) * u + Vec3::from_array(light.edges[1]) * v
-    } else {
-        position
-    }
+    first
 }
 
 /// Emits photon `index` of the pass.
 ///
-/// Its power is emission over the density with which place and direction were drawn, over the number of photons emitted.
-/// For a whole light this is Φ / n for every photon: Φ = π·L·A of an area light, 4π·I of a point light. Photons for the
-/// caustic map are aimed: a target is drawn, then a direction in the cone that it fills. The density of a direction is then
-/// the mean over all targets of 1/Ω of those whose cones hold it, so that cones may overlap.
+/// Its power is emission over the density with which place and direction were drawn, over the number of photons that its light
+/// emits. For a whole light this is Φ / n for every photon, and Φ is π·L·A of a surface, 4π·I of a point light, E·A of a directional
+/// light's disc A, which covers the scene. Photons for the caustic map are aimed: a target is drawn among those that the light
+/// can see, then a direction in the cone that it fills; of a directional light, a place in its shadow. The density is then the
+/// mean over these targets of the reciprocals of the cones or shadows that hold it, so that they may overlap.
 #[inline]
 #[must_use]
-pub fn emit(
+pub fn emit<const FULL: bool>(
     index: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -62,36 +64,48 @@ pub fn emit(
     let rng = Rng { seed: pass.seed, stream: pass.rays, index };
     let place = rng.draw4(0);
     let aim = rng.draw4(1);
-    let light = lights[choose_light(place[0], info, lights) as usize];
-    let origin = light_point(&light, place[1], place[2]);
-    let normal = Vec3::from_array(light.normal);
+    let light = lights[light_of_photon(index, info, lights) as usize];
+    let share = div(1.0, light.photons as f32);
     let emission = Vec3::from_array(light.emission);
-    let share = div(1.0, pass.emitted as f32 * light.probability);
+    if FULL && light.kind == LIGHT_DIRECTIONAL {
+        return emit_parallel(pass.rays, &light, emission * share, targets, place, aim);
+    }
+    let mut origin = light_point::<FULL>(&light, place[1], place[2]);
+    let mut normal = Vec3::from_array(light.normal);
+    if FULL && light.kind == LIGHT_SPHERE {
+        normal = sample_cone(Vec3::Z, 2.0, place[1], place[2]);
+        origin = Vec3::from_array(light.position) + normal * light.edges[0][0];
+    }
+    let surface = light.kind == LIGHT_AREA || (FULL && (light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_SPHERE));
 
     if pass.rays == RAY_GLOBAL {
-        if light.kind == LIGHT_AREA {
+        if surface {
             let direction = sample_cosine(normal, aim[0], aim[1]);
             return Emitted {
                 origin,
+                normal,
                 direction,
                 power: emission * (PI * light.area * share),
                 primitive: light.primitive,
             };
         }
+        if FULL && light.kind == LIGHT_SPOT {
+            let direction = sample_cone(normal, light.edges[0][1], aim[0], aim[1]);
+            let solid_angle = 2.0 * PI * light.edges[0][1];
+            let power = emission * (spot_falloff(&light, direction) * solid_angle * share);
+            return Emitted { origin, normal, direction, power, primitive: NO_LIGHT };
+        }
         let direction = sample_cone(Vec3::Z, 2.0, aim[0], aim[1]);
-        return Emitted { origin, direction, power: emission * (4.0 * PI * share), primitive: NO_LIGHT };
+        return Emitted { origin, normal, direction, power: emission * (4.0 * PI * share), primitive: NO_LIGHT };
     }
 
-    let mut chosen = (aim[2] * info.targets as f32) as u32;
-    if chosen >= info.targets {
-        chosen = info.targets - 1;
-    }
+    let chosen = choose_target(aim[2], &light);
     let target = targets[chosen as usize];
     let axis = Vec3::from_array(target.centre) - origin;
     let direction = sample_cone(axis_direction(axis), cone(axis, target.radius), aim[0], aim[1]);
     let mut density = 0.0;
-    let mut j = 0;
-    while j < info.targets {
+    let mut j = light.first_target;
+    while j < light.first_target + light.targets {
         let target = targets[j as usize];
         let axis = Vec3::from_array(target.centre) - origin;
         let one_minus_cos = cone(axis, target.radius);
@@ -101,28 +115,77 @@ pub fn emit(
         }
         j += 1;
     }
-    let per_direction = div(info.targets as f32, density) * share;
-    if light.kind == LIGHT_AREA {
+    let per_direction = div(light.targets as f32, density) * share;
+    if surface {
         let cos = dot(direction, normal);
         let lit = if cos > 0.0 { cos * light.area * per_direction } else { 0.0 };
-        return Emitted { origin, direction, power: emission * lit, primitive: light.primitive };
+        return Emitted { origin, normal, direction, power: emission * lit, primitive: light.primitive };
     }
-    Emitted { origin, direction, power: emission * per_direction, primitive: NO_LIGHT }
+    let mut power = emission * per_direction;
+    if FULL && light.kind == LIGHT_SPOT {
+        power *= spot_falloff(&light, direction);
+    }
+    Emitted { origin, normal, direction, power, primitive: NO_LIGHT }
 }
 
-/// The direction of `axis`, any direction for none.
+/// One of the targets of a light.
 #[inline]
-fn axis_direction(axis: Vec3) -> Vec3 {
-    if dot(axis, axis) > 0.0 { normalize(axis) } else { Vec3::Z }
+fn choose_target(u: f32, light: &Light) -> u32 {
+    let mut chosen = (u * light.targets as f32) as u32;
+    if chosen >= light.targets {
+        chosen = light.targets - 1;
+    }
+    light.first_target + chosen
 }
 
-/// 1 − cos of the half angle of the cone that a sphere at `axis` fills; 2, every direction, from inside it.
+/// Emits a photon of a directional light, whose `emission` is its irradiance over the number of its photons: from a disc before
+/// the scene, or from the targets' shadows in the disc's plane.
 #[inline]
-fn cone(axis: Vec3, radius: f32) -> f32 {
-    let distance2 = dot(axis, axis);
-    if distance2 <= radius * radius {
-        return 2.0;
+fn emit_parallel(
+    rays: u32,
+    light: &Light,
+    emission: Vec3,
+    targets: &Input<Target>,
+    place: [f32; 4],
+    aim: [f32; 4],
+) -> Emitted {
+    let direction = Vec3::from_array(light.normal);
+    let middle = Vec3::from_array(light.position);
+    let (sin, cos) = sin_cos_turns(place[2]);
+    let r = sqrt(place[1]);
+    if rays == RAY_GLOBAL {
+        let radius = light.edges[0][0];
+        let origin = middle + across(direction, r * cos, r * sin) * radius;
+        return Emitted { origin, normal: direction, direction, power: emission * light.area, primitive: NO_LIGHT };
     }
-    let sin2 = div(radius * radius, distance2);
-    div(sin2, 1.0 + sqrt(1.0 - sin2))
+    let chosen = choose_target(aim[2], light);
+    let target = targets[chosen as usize];
+    let origin = shadow(&target, direction, middle) + across(direction, r * cos, r * sin) * target.radius;
+    let mut density = 0.0;
+    let mut j = light.first_target;
+    while j < light.first_target + light.targets {
+        let target = targets[j as usize];
+        let off = origin - shadow(&target, direction, middle);
+        let radius2 = target.radius * target.radius;
+        if j == chosen || dot(off, off) <= radius2 {
+            density += div(1.0, PI * radius2);
+        }
+        j += 1;
+    }
+    let power = emission * div(light.targets as f32, density);
+    Emitted { origin, normal: direction, direction, power, primitive: NO_LIGHT }
+}
+
+/// A target's centre, moved along `direction` into the plane through `middle`.
+#[inline]
+fn shadow(target: &Target, direction: Vec3, middle: Vec3) -> Vec3 {
+    let centre = Vec3::from_array(target.centre);
+    centre - direction * dot(centre - middle, direction)
+}
+
+/// The vector (x, y) across the unit vector `n`.
+#[inline]
+fn across(n: Vec3, x: f32, y: f32) -> Vec3 {
+    let (t, s) = super::vector::frame(n);
+    t * x + s * y
 }

@@ -1,16 +1,20 @@
 //! Light transport: rays, surfaces, lights, photon paths, camera paths and the film.
 //!
 //! A path is cut where it meets a diffuse surface: what arrives there straight from a light is `direct`, what arrives
-//! after mirrors and glass alone is `caustic` (L S⁺ D in Heckbert's notation), and what was diffusely reflected before
-//! is `global`. Each part is estimated in one way only, so nothing is counted twice.
+//! after mirrors, glass and gloss alone is `caustic` (L (S|G)⁺ D in Heckbert's notation), and what was diffusely reflected before
+//! is `global`. Each part is estimated in one way only, so nothing is counted twice. Where a surface has lobes of both kinds, a
+//! path of the eye is cut or goes on, as chance has it, and a photon is stored and goes on.
 
+pub mod bsdf;
 mod bvh;
 mod camera;
 mod direct;
 mod emission;
 mod film;
 mod intersect;
-mod material;
+mod ledger;
+pub mod light;
+pub mod medium;
 mod photons;
 mod scene;
 mod surface;
@@ -23,10 +27,12 @@ pub use camera::{Camera, CameraTile, Vertex, trace_camera};
 pub use direct::shade_direct;
 pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, Pixel, develop_film};
 pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, corners_of, intersect, leave, occluded};
+pub use ledger::{LEDGER_PATHS, LedgerBlock, LedgerPass, LedgerSum, Tally, sum_ledger};
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
-    LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT,
-    NO_TEXTURE, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
+    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC,
+    MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR, MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE,
+    PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
 };
 pub use surface::{Corners, Surface, material_at, surface_at};
 pub use texture::{Texel, Texture, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, half_to_f32, texel_at};

@@ -4,32 +4,38 @@
 //! has given each path its place, to store it. So the map has exactly the size it needs, photons have the same order on
 //! every device, and none is dropped for want of room.
 
+use super::MAX_BOUNCES;
+use super::bsdf::{albedo_diffuse, entrance, is_diffuse, sample_specular, scatter_specular, specular_chance};
 use super::bvh::BvhNode;
 use super::emission::emit;
-use super::intersect::{MISS, closest_hit, leave};
-use super::material::scatter_specular;
-use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, Primitive, SceneInfo, Target};
+use super::intersect::{LOST, MISS, closest_hit, leave};
+use super::ledger::Tally;
+use super::medium::{VACUUM, leaks, medium_after, medium_before, transmittance};
+use super::scene::{
+    Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT, PRIMITIVE_SPHERE, Primitive,
+    SceneInfo, Target,
+};
 use super::surface::{Corners, material_at, surface_at};
 use super::texture::{Texel, Texture};
-use super::vector::{pack_direction, sample_cosine};
-use super::{LOST, MAX_BOUNCES};
+use super::vector::{dot, pack_direction, sample_cosine};
 use crate::exec::{Input, Store};
 use crate::layout::Photon;
-use crate::num::{Rng, div};
+use crate::num::{Rng, abs, div, max, min};
 use crate::sort::SCAN_BLOCK;
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 /// [`PhotonPass::rays`]: photons leave in every direction the lights shine in.
 pub const RAY_GLOBAL: u32 = 0;
-/// [`PhotonPass::rays`]: photons are aimed at specular objects, and a path ends at the first diffuse surface.
+/// [`PhotonPass::rays`]: photons are aimed at specular objects, and a path ends at the first surface that is
+/// diffuse and nothing else.
 pub const RAY_CAUSTIC: u32 = 1;
 
 /// Parameters of a photon pass.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct PhotonPass {
-    /// Photons emitted in all, n: the divisor of each photon's power.
+    /// Photons emitted in all: the lights share them.
     pub emitted: u32,
     /// First path of this dispatch: long passes are cut into several.
     pub first: u32,
@@ -52,9 +58,15 @@ const _: () = assert!(SCAN_BLOCK < FATE_CUT);
 const _: () = assert!(SCAN_BLOCK <= u32::MAX / MAX_BOUNCES);
 
 /// Counts the photons that the `i`-th path of the dispatch stores, and says what became of it and
-/// how many segments, rays from one surface to the next, it had.
+/// of its power, and how many segments, rays from one surface to the next, it had.
 #[inline]
-pub fn count_photons<const FULL: bool, C: Store<u32> + ?Sized, F: Store<u32> + ?Sized, S: Store<u32> + ?Sized>(
+pub fn count_photons<
+    const FULL: bool,
+    C: Store<u32> + ?Sized,
+    F: Store<u32> + ?Sized,
+    S: Store<u32> + ?Sized,
+    T: Store<Tally> + ?Sized,
+>(
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -69,6 +81,7 @@ pub fn count_photons<const FULL: bool, C: Store<u32> + ?Sized, F: Store<u32> + ?
     counts: &mut C,
     fates: &mut F,
     segments: &mut S,
+    tallies: &mut T,
 ) {
     if i < pass.paths {
         let path = pass.first + i;
@@ -90,6 +103,7 @@ pub fn count_photons<const FULL: bool, C: Store<u32> + ?Sized, F: Store<u32> + ?
         let landed = if walked.landed { FATE_LANDED } else { 0 };
         fates.set(i, landed + if walked.cut { FATE_CUT } else { 0 });
         segments.set(i, walked.segments);
+        tallies.set(i, walked.tally);
     }
 }
 
@@ -139,6 +153,8 @@ struct Walked {
     landed: bool,
     /// Whether it was given up after [`MAX_BOUNCES`].
     cut: bool,
+    /// Where its power went.
+    tally: Tally,
 }
 
 /// Walks path `path` and hands each photon it stores, with its number on the path, to `store`.
@@ -157,27 +173,35 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
     texels: &Input<Texel>,
     mut store: F,
 ) -> Walked {
-    let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false };
+    let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false, tally: Tally::nothing() };
     let rng = Rng { seed: pass.seed, stream: pass.rays, index: path };
-    let start = emit(path, pass, info, lights, targets);
+    let start = emit::<FULL>(path, pass, info, lights, targets);
     let mut power = start.power;
+    walked.tally.emitted = power.to_array();
     if power.x + power.y + power.z <= 0.0 {
         return walked;
     }
     let mut origin = start.origin;
-    if start.primitive != super::NO_LIGHT {
+    if start.primitive != NO_LIGHT {
         let lamp = primitives[start.primitive as usize];
-        origin = leave(origin, Vec3::from_array(lamp.normal), &lamp);
+        let sphere = FULL && lamp.kind == PRIMITIVE_SPHERE;
+        let normal = if sphere { start.normal } else { Vec3::from_array(lamp.normal) };
+        origin = leave(origin, normal, &lamp);
     }
     let mut direction = start.direction;
+    let mut absorbed = Vec3::ZERO;
+    let mut medium = VACUUM;
     let mut diffuse_bounces = 0;
     let mut specular_bounces = 0;
     let mut bounce = 0;
+    let mut given_up = true;
     while bounce < MAX_BOUNCES {
         walked.segments += 1;
         let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives);
         if hit.primitive == MISS {
-            return walked;
+            walked.tally.escaped = power.to_array();
+            given_up = false;
+            break;
         }
         if hit.primitive == LOST {
             break;
@@ -186,47 +210,113 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
         let surface = surface_at::<FULL>(origin, direction, hit, info, &primitive, corners);
         let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
         let point = surface.position;
+        let cos = dot(direction, surface.normal);
+        if FULL {
+            medium = medium_before(medium, &material, primitive.material, cos);
+            if medium != VACUUM {
+                let left = power * transmittance(&materials[medium as usize], hit.t);
+                absorbed += power - left;
+                power = left;
+            }
+        }
         let draw = rng.draw4(2 + bounce);
-        if material.kind == MATERIAL_LAMBERTIAN {
+        let lambertian = material.kind == MATERIAL_LAMBERTIAN;
+        let cos_seen = if FULL { abs(dot(direction, surface.shading)) } else { 0.0 };
+        if lambertian || (FULL && is_diffuse(&material)) {
             walked.landed = true;
             let wanted =
                 if pass.rays == RAY_GLOBAL { diffuse_bounces >= pass.stored_from } else { specular_bounces > 0 };
             // What a black surface receives is never seen, and would only be found from the surfaces beside it.
             if wanted && material.survival > 0.0 {
+                // A coat lets only a part of the light through to what is diffuse.
+                let entering = if FULL { power * entrance(&material, cos_seen) } else { power };
                 store(
                     walked.stored,
                     Photon {
                         position: point.to_array(),
                         direction: pack_direction(direction),
-                        power: power.to_array(),
+                        power: entering.to_array(),
                         primitive: hit.primitive,
                     },
                 );
                 walked.stored += 1;
             }
+        }
+        if lambertian {
+            if pass.rays != RAY_GLOBAL {
+                walked.tally.landed = power.to_array();
+                given_up = false;
+                break;
+            }
+            let reflectance = Vec3::from_array(material.reflectance);
+            absorbed += power * (Vec3::ONE - reflectance);
             // Russian roulette (Arvo and Kirk 1990): survivors carry the power of those that were absorbed.
-            if pass.rays != RAY_GLOBAL || draw[0] >= material.survival {
-                return walked;
+            if draw[0] >= material.survival {
+                given_up = false;
+                break;
             }
             let gain = div(1.0, material.survival);
-            power *= Vec3::from_array(material.reflectance) * gain;
+            power *= reflectance * gain;
             // About the surface as it is: what arrives is measured by the area that it arrives at, too.
             let facing = surface.facing(surface.normal, direction);
             direction = sample_cosine(facing, draw[1], draw[2]);
             origin = leave(point, facing, &primitive);
             diffuse_bounces += 1;
+        } else if FULL && material.kind != MATERIAL_MIRROR && material.kind != MATERIAL_DIELECTRIC {
+            // Photons for the caustic map end where they meet what is diffuse, and go on from a coat over it.
+            let chance = if pass.rays == RAY_GLOBAL { specular_chance(&material, cos_seen) } else { 1.0 };
+            let mut weight = Vec3::ZERO;
+            let mut side = surface.facing(surface.normal, direction);
+            let diffuse = draw[1] >= chance;
+            if diffuse {
+                let into = direction;
+                direction = sample_cosine(side, draw[2], draw[3]);
+                let cos_out = dot(direction, surface.facing(surface.shading, into));
+                weight = albedo_diffuse(&material, cos_out) * div(entrance(&material, cos_seen), 1.0 - chance);
+                diffuse_bounces += 1;
+            } else {
+                // What is left of the number is uniform again.
+                let rest = if chance < 1.0 { div(draw[1], chance) } else { draw[1] };
+                let scattered = sample_specular(&material, direction, surface.shading, [draw[2], draw[3], rest]);
+                direction = scattered.direction;
+                side = surface.side(scattered.side, direction);
+                if !leaks(&material, &surface, cos, side) {
+                    weight = scattered.weight * div(1.0, chance);
+                }
+                medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+                specular_bounces += 1;
+            }
+            absorbed += power * (Vec3::ONE - weight);
+            // The weight is known only now, and is what decides.
+            let survival = min(1.0, max(weight.x, max(weight.y, weight.z)));
+            if draw[0] >= survival {
+                given_up = false;
+                break;
+            }
+            power *= weight * div(1.0, survival);
+            origin = leave(point, side, &primitive);
         } else {
+            absorbed += power * (Vec3::ONE - Vec3::from_array(material.reflectance));
             if draw[0] >= material.survival {
-                return walked;
+                given_up = false;
+                break;
             }
             let scattered = scatter_specular(&material, direction, surface.shading, draw[1]);
             power *= scattered.weight * div(1.0, material.survival);
             direction = scattered.direction;
-            origin = leave(point, surface.side(scattered.side, direction), &primitive);
+            let side = surface.side(scattered.side, direction);
+            if FULL {
+                medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+            }
+            origin = leave(point, side, &primitive);
             specular_bounces += 1;
         }
         bounce += 1;
     }
-    walked.cut = true;
+    walked.tally.absorbed = absorbed.to_array();
+    if given_up {
+        walked.tally.lost = power.to_array();
+        walked.cut = true;
+    }
     walked
 }

@@ -14,12 +14,24 @@ pub const PRIMITIVE_DISC: u32 = 3;
 pub const MATERIAL_LAMBERTIAN: u32 = 0;
 /// Perfect specular reflection.
 pub const MATERIAL_MIRROR: u32 = 1;
-/// Smooth dielectric without absorption.
+/// Smooth dielectric.
 pub const MATERIAL_DIELECTRIC: u32 = 2;
+/// Dielectric with a rough surface, of GGX microfacets.
+pub const MATERIAL_ROUGH_DIELECTRIC: u32 = 3;
+/// Reflection at GGX microfacets or a smooth coat, over a diffuse base: metals, plastic, glTF's metallic-roughness model.
+pub const MATERIAL_LAYERED: u32 = 4;
 /// A quad that emits the same radiance from every point in every direction of its front side.
 pub const LIGHT_AREA: u32 = 0;
 /// A point that emits the same intensity in every direction.
 pub const LIGHT_POINT: u32 = 1;
+/// A point that shines within a cone, less towards its rim.
+pub const LIGHT_SPOT: u32 = 2;
+/// Parallel light of one direction, as from a sun that is infinitely far away.
+pub const LIGHT_DIRECTIONAL: u32 = 3;
+/// A sphere whose outside emits the same radiance everywhere and in every direction.
+pub const LIGHT_SPHERE: u32 = 4;
+/// A triangle that emits as [`LIGHT_AREA`] does.
+pub const LIGHT_TRIANGLE: u32 = 5;
 /// [`Primitive::light`] of what does not emit.
 pub const NO_LIGHT: u32 = 0xffff_ffff;
 
@@ -28,7 +40,8 @@ pub const NO_TEXTURE: u32 = 0xffff_ffff;
 
 /// How many of each the scene has.
 ///
-/// The tracing kernels exist twice: BASIC ones know quads and spheres, and lambertian, mirror and dielectric materials of one colour;
+/// The tracing kernels exist twice: BASIC ones know quads and spheres, lambertian, mirror and clear dielectric materials of one colour, lights of quads and points, and
+/// pinholes;
 /// FULL ones know everything. Both are one body, and give a scene that BASIC ones can trace the same bits.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -73,42 +86,60 @@ pub struct Primitive {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Material {
-    /// Reflectance, 0 to 1, for each of red, green and blue; of a dielectric, 1.
+    /// Reflectance, 0 to 1, for each of red, green and blue; of a dielectric, 1; the base colour of a layered material.
     pub reflectance: [f32; 3],
-    /// [`MATERIAL_LAMBERTIAN`], [`MATERIAL_MIRROR`] or [`MATERIAL_DIELECTRIC`].
+    /// One of the `MATERIAL_` kinds.
     pub kind: u32,
-    /// Index of refraction of a dielectric against the medium outside.
+    /// Index of refraction of a dielectric, or of a layered material's coat, against the medium outside.
     pub ior: f32,
-    /// Chance with which a photon survives here: the largest reflectance, so that its power never grows.
+    /// Chance with which a photon survives here: the largest reflectance, so that its power never grows. Of a layered material, 0 if
+    /// it is black and 1 otherwise: its survival depends on the direction.
     pub survival: f32,
     /// Index of the texture that [`reflectance`](Self::reflectance) is multiplied with, or [`NO_TEXTURE`].
     pub texture: u32,
     /// Index of the texture of which green multiplies a roughness and blue a metalness, as in glTF, or [`NO_TEXTURE`].
     pub roughness_texture: u32,
+    /// GGX roughness α of a rough dielectric or a layered material; below [`SMOOTHEST`](super::bsdf::SMOOTHEST) it is smooth.
+    pub roughness: f32,
+    /// Share of a layered material that is metal, 0 to 1.
+    pub metallic: f32,
+    /// Absorption coefficient of the inside of a dielectric, m⁻¹, for each of red, green and blue.
+    pub absorption: [f32; 3],
 }
 
 /// A light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Light {
-    /// Radiance of an area light, W·sr⁻¹·m⁻², or intensity of a point light, W·sr⁻¹, for each of red, green and blue.
+    /// Radiance of a surface, W·sr⁻¹·m⁻², intensity of a point or, on its axis, a spot, W·sr⁻¹, or irradiance across a directional
+    /// light, W·m⁻²; for each of red, green and blue.
     pub emission: [f32; 3],
-    /// [`LIGHT_AREA`] or [`LIGHT_POINT`].
+    /// One of the `LIGHT_` kinds.
     pub kind: u32,
-    /// Corner of an area light or place of a point light, m.
+    /// Corner of a flat light, centre of a sphere, place of a point or spot, or middle of the disc from which a directional
+    /// light's photons come, m.
     pub position: [f32; 3],
-    /// Index of the primitive that emits, or [`NO_LIGHT`] for a point light.
+    /// Index of the primitive that emits, or [`NO_LIGHT`].
     pub primitive: u32,
-    /// Edges of an area light, m.
+    /// Edges of a flat light that leave its corner, m. Of a sphere and of a directional light's disc, the first number is the radius, m;
+    /// of a spot, the first two are 1 − cos of the angles within which it is bright and outside of which it is dark.
     pub edges: [[f32; 3]; 2],
-    /// Side to which an area light emits, a unit vector.
+    /// Side to which a flat light emits, axis of a spot, or the direction in which directional light travels: a unit vector.
     pub normal: [f32; 3],
-    /// Area of an area light, m².
+    /// Area of a surface or of a directional light's disc, m².
     pub area: f32,
     /// Chance of choosing this light.
     pub probability: f32,
     /// Sum of the chances of this light and those before it; exactly 1 for the last.
     pub cumulative: f32,
+    /// The first of the photons that this light emits in a pass.
+    pub first_photon: u32,
+    /// How many photons it emits in the pass.
+    pub photons: u32,
+    /// The first of the targets that it can see.
+    pub first_target: u32,
+    /// How many targets it can see: they follow each other.
+    pub targets: u32,
 }
 
 /// The sphere around a specular object, at which caustic photons are aimed.
@@ -124,7 +155,7 @@ pub struct Target {
 const _: () = {
     assert!(size_of::<SceneInfo>() == 24);
     assert!(size_of::<Primitive>() == 64);
-    assert!(size_of::<Material>() == 32);
-    assert!(size_of::<Light>() == 80);
+    assert!(size_of::<Material>() == 52);
+    assert!(size_of::<Light>() == 96);
     assert!(size_of::<Target>() == 16);
 };

@@ -2,7 +2,8 @@
 
 use super::intersect::{Hit, corners_of};
 use super::scene::{
-    Material, NO_TEXTURE, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo,
+    MATERIAL_LAYERED, Material, NO_TEXTURE, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE,
+    Primitive, SceneInfo,
 };
 use super::texture::{Texel, Texture, texel_at};
 use super::triangle::shares;
@@ -160,7 +161,14 @@ pub fn material_at<const FULL: bool>(
         let texel = texel_at(&textures[material.texture as usize], uv, texels);
         let r = Vec3::from_array(material.reflectance) * texel.truncate();
         material.reflectance = r.to_array();
-        material.survival = max(r.x, max(r.y, r.z));
+        // Of a layered material it says only whether anything survives.
+        material.survival = if material.kind == MATERIAL_LAYERED { 1.0 } else { max(r.x, max(r.y, r.z)) };
+    }
+    if FULL && material.roughness_texture != NO_TEXTURE {
+        let texel = texel_at(&textures[material.roughness_texture as usize], uv, texels);
+        // What a picture holds is the perceptual roughness, whose square is α.
+        material.roughness *= texel.y * texel.y;
+        material.metallic *= texel.z;
     }
     material
 }

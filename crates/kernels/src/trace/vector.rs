@@ -32,11 +32,11 @@ pub fn reflect(d: Vec3, n: Vec3) -> Vec3 {
     normalize(d - n * (2.0 * dot(d, n)))
 }
 
-/// Turns (x, y, z) from the frame whose third axis is the unit vector `n` into the world's (Duff et al., "Building an
-/// Orthonormal Basis, Revisited", JCGT 2017).
+/// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff et al., "Building an Orthonormal Basis,
+/// Revisited", JCGT 2017).
 #[inline]
 #[must_use]
-pub fn from_frame(n: Vec3, x: f32, y: f32, z: f32) -> Vec3 {
+pub fn frame(n: Vec3) -> (Vec3, Vec3) {
     let mut sign = 1.0;
     if n.z < 0.0 {
         sign = -1.0;
@@ -45,7 +45,23 @@ pub fn from_frame(n: Vec3, x: f32, y: f32, z: f32) -> Vec3 {
     let b = n.x * n.y * a;
     let t = Vec3::new(1.0 + sign * n.x * n.x * a, sign * b, -sign * n.x);
     let s = Vec3::new(b, sign + n.y * n.y * a, -n.y);
+    (t, s)
+}
+
+/// Turns (x, y, z) from the [`frame`] whose third axis is the unit vector `n` into the world's.
+#[inline]
+#[must_use]
+pub fn from_frame(n: Vec3, x: f32, y: f32, z: f32) -> Vec3 {
+    let (t, s) = frame(n);
     normalize(t * x + s * y + n * z)
+}
+
+/// Turns a vector from the world's frame into the [`frame`] whose third axis is the unit vector `n`.
+#[inline]
+#[must_use]
+pub fn to_frame(n: Vec3, v: Vec3) -> Vec3 {
+    let (t, s) = frame(n);
+    Vec3::new(dot(v, t), dot(v, s), dot(v, n))
 }
 
 /// A direction about `n` with density cos θ / π (Malley's method), from two uniform numbers.
@@ -66,6 +82,25 @@ pub fn sample_cone(axis: Vec3, one_minus_cos: f32, u: f32, v: f32) -> Vec3 {
     let r = sqrt(max(0.0, h * (2.0 - h)));
     let (sin, cos) = sin_cos_turns(v);
     from_frame(axis, r * cos, r * sin, 1.0 - h)
+}
+
+/// The direction of `axis`, any direction for none.
+#[inline]
+#[must_use]
+pub fn axis_direction(axis: Vec3) -> Vec3 {
+    if dot(axis, axis) > 0.0 { normalize(axis) } else { Vec3::Z }
+}
+
+/// 1 − cos of the half angle of the cone that a sphere at `axis` fills; 2, every direction, from inside it.
+#[inline]
+#[must_use]
+pub fn cone(axis: Vec3, radius: f32) -> f32 {
+    let distance2 = dot(axis, axis);
+    if distance2 <= radius * radius {
+        return 2.0;
+    }
+    let sin2 = div(radius * radius, distance2);
+    div(sin2, 1.0 + sqrt(1.0 - sin2))
 }
 
 /// Packs a unit vector into 16 + 16 bits by octahedral mapping (Cigolle et al., JCGT 2014); the error is below 10⁻⁴ rad.

@@ -1,4 +1,4 @@
-//! From a viewpoint to the kernels' pinhole camera.
+//! From a viewpoint to the kernels' camera.
 
 use super::content::Viewpoint;
 use caustic_kernels::trace::Camera;
@@ -21,5 +21,7 @@ pub(super) fn camera(view: &Viewpoint, width: u32, height: u32) -> Camera {
         height,
         right: rounded(right * (2.0 * half_width / columns)),
         down: rounded(up * (-2.0 * half_height / rows)),
+        lens: [rounded(right * view.lens_radius), rounded(up * view.lens_radius)],
+        focus: if view.lens_radius > 0.0 { view.focus as f32 } else { 0.0 },
     }
 }

@@ -1,15 +1,18 @@
 //! From a checked scene to the kernels' records. Everything is computed in f64 and rounded once.
 
 use super::bvh;
-use super::content::{Content, NOTHING, Shape, Substance, Surface};
-use super::lights::{Source, chances};
+use super::content::{Content, Glass, Layers, NOTHING, Pictures, Shape, Spot, Substance, Surface};
+use super::lights::{Source, chances, share_photons};
+use super::substances::smoothest;
+use super::targets::{aim, targets};
 use caustic_kernels::trace::{
-    BvhNode, Corners, LIGHT_AREA, LIGHT_POINT, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR,
-    Material, NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE,
-    Primitive, SceneInfo, Target, Texel, Texture,
+    BvhNode, Corners, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light,
+    MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR, MATERIAL_ROUGH_DIELECTRIC, Material,
+    NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive,
+    RAY_GLOBAL, SceneInfo, Target, Texel, Texture,
 };
 use glam::DVec3;
-use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// A scene as the kernels see it.
 #[derive(Clone, Debug)]
@@ -30,19 +33,37 @@ pub struct CompiledScene {
     pub texels: Vec<Texel>,
     /// Materials in the order of their names.
     pub materials: Vec<Material>,
-    /// Area lights, then point lights, each in the file's order; at least one.
+    /// Surfaces that shine, then points and spots, then directional lights, each in the file's order; at least one. Their photons are those of a
+    /// pass of 2²⁰.
     pub lights: Vec<Light>,
-    /// Spheres around the mirrors and dielectrics, one around a mesh.
+    /// Spheres around what is not purely diffuse, a list for each light that sees others than those before it.
     pub targets: Vec<Target>,
     /// Lower and upper corner of a box around all surfaces that store photons, a little larger than they are, m; both are
     /// the origin if no surface does.
     pub diffuse_bounds: ([f32; 3], [f32; 3]),
-    /// Whether there are mirrors or dielectrics, so that there may be caustics.
+    /// Whether there are mirrors, dielectrics or coats, so that there may be caustics.
     pub has_specular: bool,
-    /// Whether there are Lambertian surfaces, the ones that store photons; black ones count.
+    /// Whether there are surfaces with a diffuse lobe, the ones that store photons; black ones count.
     pub has_diffuse: bool,
-    /// Power of all lights together, W, for each of red, green and blue: π·L·A of an area light, 4π·I of a point light.
+    /// Power of all lights together, W, for each of red, green and blue: π·L·A of a surface, 4π·I of a point light.
     pub emitted_power_w: [f64; 3],
+}
+
+impl CompiledScene {
+    /// The lights with the photons that each of them emits in a pass of `emitted` photons, of kind `rays`: for the caustic map only
+    /// those that can see a target.
+    #[must_use]
+    pub fn lights_for(&self, emitted: u32, rays: u32) -> Vec<Light> {
+        let mut lights = self.lights.clone();
+        share_photons(&mut lights, emitted, |light| rays == RAY_GLOBAL || light.targets > 0);
+        lights
+    }
+
+    /// The fewest photons of such a pass: one a light.
+    #[must_use]
+    pub fn fewest_photons(&self, rays: u32) -> u32 {
+        self.lights.iter().filter(|light| rays == RAY_GLOBAL || light.targets > 0).count() as u32
+    }
 }
 
 /// Farthest that a quad may reach beyond its edges, in lengths of them, however small it is in its scene.
@@ -62,13 +83,20 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
         }
         lights.push(Light { probability: chance.probability, cumulative: chance.cumulative, ..source.light });
     }
-    let specular = |surface: &Surface| !matches!(content.materials[surface.material], Substance::Lambertian(_));
+    let specular = |surface: &Surface| content.materials[surface.material].is_specular();
+    let diffuse = |surface: &Surface| content.materials[surface.material].is_diffuse();
     let reach = content.reach();
     let primitives: Vec<Primitive> =
         content.surfaces.iter().zip(&light_of).map(|(surface, &light)| primitive(surface, light, reach)).collect();
     let bvh::Lists { nodes, lists } = bvh::nodes(&primitives, reach);
-    let targets = targets(content.surfaces.iter().filter(|surface| specular(surface)));
-    let has_diffuse = content.surfaces.iter().any(|surface| !specular(surface));
+    let has_specular = content.surfaces.iter().any(specular);
+    let targets = aim(&mut lights, &targets(content.surfaces.iter().filter(|surface| specular(surface))));
+    share_photons(&mut lights, 1 << 20, |_| true);
+    let materials: Vec<Material> =
+        content.materials.iter().zip(&content.pictures).map(|(of, pictures)| material(of, *pictures)).collect();
+    let basic_light = |light: &Light| light.kind == LIGHT_AREA || light.kind == LIGHT_POINT;
+    let more =
+        content.camera.lens_radius > 0.0 || materials.iter().any(beyond_basic) || !lights.iter().all(basic_light);
     let basic = |primitive: &Primitive| matches!(primitive.kind, PRIMITIVE_QUAD | PRIMITIVE_SPHERE);
     let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
     CompiledScene {
@@ -80,19 +108,14 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
             lists,
             first_corners: (primitives.len() - content.corners.len()) as u32,
         },
-        full: lists < OCTANTS || !content.textures.is_empty() || !primitives.iter().all(basic),
+        full: more || lists < OCTANTS || !content.textures.is_empty() || !primitives.iter().all(basic),
         corners: content.corners.clone(),
         textures: content.textures.clone(),
         texels: content.texels.clone(),
-        materials: content
-            .materials
-            .iter()
-            .zip(&content.pictures)
-            .map(|(of, picture)| material(of, *picture))
-            .collect(),
-        diffuse_bounds: bounds(content.surfaces.iter().filter(|surface| !specular(surface))),
-        has_specular: !targets.is_empty(),
-        has_diffuse,
+        materials,
+        diffuse_bounds: bounds(content.surfaces.iter().filter(|surface| diffuse(surface))),
+        has_specular,
+        has_diffuse: content.surfaces.iter().any(diffuse),
         emitted_power_w: power.to_array(),
         nodes,
         primitives,
@@ -102,36 +125,74 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
 }
 
 fn sources(content: &Content) -> Vec<Source> {
-    let areas = content.surfaces.iter().enumerate().filter_map(|(i, surface)| {
-        let (Shape::Quad { corner, edge_u, edge_v }, Some(radiance)) = (surface.shape, surface.radiance) else {
-            return None;
-        };
-        let normal = edge_u.cross(edge_v);
-        let area = normal.length();
-        let light = Light {
-            emission: rounded(radiance),
-            kind: LIGHT_AREA,
-            position: rounded(corner),
-            primitive: i as u32,
-            edges: [rounded(edge_u), rounded(edge_v)],
-            normal: rounded(normal / area),
-            area: area as f32,
-            ..Light::default()
-        };
-        Some(Source { light, surface: Some(i), power_w: radiance * (std::f64::consts::PI * area) })
+    let surfaces = content.surfaces.iter().enumerate().filter_map(|(i, surface)| {
+        let radiance = surface.radiance?;
+        let light = Light { emission: rounded(radiance), primitive: i as u32, ..shape_of_light(&surface.shape)? };
+        Some(Source { light, surface: Some(i), power_w: radiance * (PI * f64::from(light.area)) })
     });
-    let points = content.points.iter().map(|point| Source {
-        light: Light {
+    let points = content.points.iter().map(|point| {
+        let light = Light {
             emission: rounded(point.intensity),
             kind: LIGHT_POINT,
             position: rounded(point.position),
             primitive: NO_LIGHT,
             ..Light::default()
-        },
-        surface: None,
-        power_w: point.intensity * (4.0 * std::f64::consts::PI),
+        };
+        let Some(Spot { axis, inner, outer }) = point.spot else {
+            return Source { light, surface: None, power_w: point.intensity * (4.0 * PI) };
+        };
+        let edges = [[inner as f32, outer as f32, 0.0], [0.0; 3]];
+        let light = Light { kind: LIGHT_SPOT, normal: rounded(axis), edges, ..light };
+        // The falloff 3x² − 2x³ is even about the middle of the rim.
+        Source { light, surface: None, power_w: point.intensity * (PI * (inner + outer)) }
     });
-    areas.chain(points).collect()
+    let (low, high) =
+        content.surfaces.iter().map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)));
+    // A little larger than the scene, for rounding.
+    let (middle, radius) = ((low + high) / 2.0, (high - low).length() / 2.0 * 1.000_01);
+    let suns = content.suns.iter().map(|sun| {
+        let area = PI * radius * radius;
+        let light = Light {
+            emission: rounded(sun.irradiance),
+            kind: LIGHT_DIRECTIONAL,
+            position: rounded(middle - sun.direction * radius),
+            primitive: NO_LIGHT,
+            edges: [[radius as f32, 0.0, 0.0], [0.0; 3]],
+            normal: rounded(sun.direction),
+            area: area as f32,
+            ..Light::default()
+        };
+        Source { light, surface: None, power_w: sun.irradiance * area }
+    });
+    surfaces.chain(points).chain(suns).collect()
+}
+
+/// The light that a surface is; none for a disc.
+fn shape_of_light(shape: &Shape) -> Option<Light> {
+    let flat = |kind, corner: DVec3, edge_u: DVec3, edge_v: DVec3, part: f64| {
+        let normal = edge_u.cross(edge_v);
+        let area = normal.length();
+        Light {
+            kind,
+            position: rounded(corner),
+            edges: [rounded(edge_u), rounded(edge_v)],
+            normal: rounded(normal / area),
+            area: (area * part) as f32,
+            ..Light::default()
+        }
+    };
+    match *shape {
+        Shape::Quad { corner, edge_u, edge_v } => Some(flat(LIGHT_AREA, corner, edge_u, edge_v, 1.0)),
+        Shape::Triangle { corners: [a, b, c] } => Some(flat(LIGHT_TRIANGLE, a, b - a, c - a, 0.5)),
+        Shape::Sphere { centre, radius } => Some(Light {
+            kind: LIGHT_SPHERE,
+            position: rounded(centre),
+            edges: [[radius as f32, 0.0, 0.0], [0.0; 3]],
+            area: (4.0 * PI * radius * radius) as f32,
+            ..Light::default()
+        }),
+        Shape::Disc { .. } => None,
+    }
 }
 
 /// `reach` is the largest coordinate of the scene, m.
@@ -173,56 +234,38 @@ fn primitive(surface: &Surface, light: u32, reach: f64) -> Primitive {
     }
 }
 
-fn material(substance: &Substance, picture: Option<u32>) -> Material {
-    let (kind, reflectance, ior) = match *substance {
-        Substance::Lambertian(reflectance) => (MATERIAL_LAMBERTIAN, reflectance, 1.0),
-        Substance::Mirror(reflectance) => (MATERIAL_MIRROR, reflectance, 1.0),
-        Substance::Dielectric(ior) => (MATERIAL_DIELECTRIC, DVec3::ONE, ior),
-    };
-    Material {
-        reflectance: rounded(reflectance),
+fn material(substance: &Substance, pictures: Pictures) -> Material {
+    let [texture, roughness_texture] = [pictures.colour, pictures.roughness].map(|at| at.unwrap_or(NO_TEXTURE));
+    let plain = Material { ior: 1.0, texture, roughness_texture, ..Material::default() };
+    let of = |kind, reflectance: DVec3| Material {
         kind,
-        ior: ior as f32,
+        reflectance: rounded(reflectance),
         survival: reflectance.max_element() as f32,
-        texture: picture.unwrap_or(NO_TEXTURE),
-        roughness_texture: NO_TEXTURE,
-    }
-}
-
-/// A sphere around each object that surfaces are of.
-fn targets<'a>(surfaces: impl Iterator<Item = &'a Surface>) -> Vec<Target> {
-    let mut targets = Vec::new();
-    // Boxes of the objects that are of triangles.
-    let mut meshes: BTreeMap<u32, (DVec3, DVec3)> = BTreeMap::new();
-    for surface in surfaces {
-        if matches!(surface.shape, Shape::Triangle { .. }) {
-            let (low, high) = surface.bounds();
-            let all = meshes.entry(surface.object).or_insert(NOTHING);
-            *all = (all.0.min(low), all.1.max(high));
-        } else {
-            targets.push(target(surface));
+        ..plain
+    };
+    match *substance {
+        Substance::Lambertian(reflectance) => of(MATERIAL_LAMBERTIAN, reflectance),
+        Substance::Mirror(reflectance) => of(MATERIAL_MIRROR, reflectance),
+        Substance::Dielectric(Glass { ior, alpha, absorption }) => {
+            let kind = if alpha < smoothest() { MATERIAL_DIELECTRIC } else { MATERIAL_ROUGH_DIELECTRIC };
+            let roughness = if alpha < smoothest() { 0.0 } else { alpha as f32 };
+            Material { ior: ior as f32, roughness, absorption: rounded(absorption), ..of(kind, DVec3::ONE) }
         }
-    }
-    targets.extend(meshes.into_values().map(|(low, high)| Target {
-        centre: rounded((low + high) / 2.0),
-        radius: ((high - low).length() / 2.0) as f32,
-    }));
-    targets
-}
-
-/// The smallest sphere around a surface that is not a triangle.
-fn target(surface: &Surface) -> Target {
-    match surface.shape {
-        Shape::Sphere { centre, radius } => Target { centre: rounded(centre), radius: radius as f32 },
-        Shape::Quad { corner, edge_u, edge_v } => Target {
-            centre: rounded(corner + (edge_u + edge_v) / 2.0),
-            radius: ((edge_u + edge_v).length().max((edge_u - edge_v).length()) / 2.0) as f32,
+        Substance::Layered(Layers { base, metallic, ior, alpha }) => Material {
+            ior: ior as f32,
+            roughness: alpha as f32,
+            metallic: metallic as f32,
+            survival: if base == DVec3::ZERO { 0.0 } else { 1.0 },
+            ..of(MATERIAL_LAYERED, base)
         },
-        Shape::Disc { .. } | Shape::Triangle { .. } => {
-            let (low, high) = surface.bounds();
-            Target { centre: rounded((low + high) / 2.0), radius: ((high - low).length() / 2.0) as f32 }
-        }
     }
+}
+
+/// Whether only FULL kernels know the material.
+fn beyond_basic(material: &Material) -> bool {
+    let kind = material.kind;
+    let known = kind == MATERIAL_LAMBERTIAN || kind == MATERIAL_MIRROR || kind == MATERIAL_DIELECTRIC;
+    !known || material.absorption != [0.0; 3]
 }
 
 /// A box around surfaces. Photons lie on them but for rounding errors, for which it is a little larger.

@@ -7,10 +7,14 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(super) struct Content {
     pub camera: Viewpoint,
+    /// Where the origin of the files is, as seen from here, m: all of the scene was moved by it.
+    pub origin: DVec3,
     /// In the order of their names; the black of lights without a material, if there are such, is last.
     pub materials: Vec<Substance>,
-    /// Index of the picture on each material.
-    pub pictures: Vec<Option<u32>>,
+    /// Materials that have names.
+    pub names: Vec<(String, usize)>,
+    /// Pictures on each material.
+    pub pictures: Vec<Pictures>,
     /// Quads, then spheres, discs and triangles, each in the file's order; those that have corners last, in the order of these.
     pub surfaces: Vec<Surface>,
     /// Normals and texture coordinates of triangles.
@@ -19,6 +23,7 @@ pub(super) struct Content {
     pub textures: Vec<Texture>,
     pub texels: Vec<Texel>,
     pub points: Vec<PointLight>,
+    pub suns: Vec<Sun>,
 }
 
 /// Bounds of nothing.
@@ -45,6 +50,7 @@ impl Content {
         for point in &mut self.points {
             point.position -= origin;
         }
+        self.origin -= origin;
         self.camera.position -= origin;
         self.camera.target -= origin;
         self
@@ -68,6 +74,26 @@ pub(super) struct Viewpoint {
     /// Of any length, not along the view.
     pub up: DVec3,
     pub vertical_fov_degrees: f64,
+    /// Radius of the lens, m; 0 of a pinhole.
+    pub lens_radius: f64,
+    /// Distance of the plane that is in focus, m.
+    pub focus: f64,
+}
+
+/// Indices of the pictures on a material.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pictures {
+    /// Multiplies the reflectance.
+    pub colour: Option<u32>,
+    /// Multiplies the roughness by its green and the share of metal by its blue.
+    pub roughness: Option<u32>,
+}
+
+impl Pictures {
+    /// Whether there are any, so that texture coordinates are needed.
+    pub fn any(self) -> bool {
+        self.colour.is_some() || self.roughness.is_some()
+    }
 }
 
 /// What a surface does with light.
@@ -77,8 +103,55 @@ pub(super) enum Substance {
     Lambertian(DVec3),
     /// Reflectances of red, green and blue.
     Mirror(DVec3),
+    /// What is within its surface.
+    Dielectric(Glass),
+    /// A coat over a base.
+    Layered(Layers),
+}
+
+impl Substance {
+    /// Whether it reflects or refracts light in other than diffuse ways, so that caustics may come of it.
+    pub fn is_specular(&self) -> bool {
+        !matches!(self, Self::Lambertian(_))
+    }
+
+    /// Whether a surface of it may be a light.
+    pub fn may_emit(&self) -> bool {
+        matches!(self, Self::Lambertian(_) | Self::Layered(_))
+    }
+
+    /// Whether it has a diffuse part, black ones too.
+    pub fn is_diffuse(&self) -> bool {
+        match self {
+            Self::Lambertian(_) => true,
+            Self::Layered(layers) => layers.metallic < 1.0,
+            Self::Mirror(_) | Self::Dielectric(_) => false,
+        }
+    }
+}
+
+/// A dielectric.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Glass {
     /// Index of refraction.
-    Dielectric(f64),
+    pub ior: f64,
+    /// GGX α.
+    pub alpha: f64,
+    /// Absorption coefficients inside, m⁻¹.
+    pub absorption: DVec3,
+}
+
+/// Metal, plastic, or what glTF has between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Layers {
+    /// Base colour: what the metal reflects head on, or the reflectance of what is under the coat.
+    pub base: DVec3,
+    /// Share of metal.
+    pub metallic: f64,
+    /// Index of refraction of the coat.
+    pub ior: f64,
+    /// GGX α of the coat.
+    pub alpha: f64,
 }
 
 /// A surface.
@@ -87,7 +160,7 @@ pub(super) struct Surface {
     pub shape: Shape,
     /// Index of its material.
     pub material: usize,
-    /// What a quad's front emits, W·sr⁻¹·m⁻².
+    /// What the front or the outside emits, W·sr⁻¹·m⁻².
     pub radiance: Option<DVec3>,
     /// What it is a part of: the triangles of a mesh are one object.
     pub object: u32,
@@ -140,6 +213,28 @@ pub(super) enum Shape {
 pub(super) struct PointLight {
     /// m.
     pub position: DVec3,
-    /// W·sr⁻¹.
+    /// W·sr⁻¹; of a spot, on its axis.
     pub intensity: DVec3,
+    /// The cone of a spot.
+    pub spot: Option<Spot>,
+}
+
+/// The cone within which a spot shines.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Spot {
+    /// Unit vector.
+    pub axis: DVec3,
+    /// 1 − cos of the angle from the axis up to which it has its full intensity.
+    pub inner: f64,
+    /// 1 − cos of the angle from which on it is dark.
+    pub outer: f64,
+}
+
+/// Light from infinitely far away.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sun {
+    /// Unit vector: the way it travels.
+    pub direction: DVec3,
+    /// Irradiance on what faces it, W·m⁻².
+    pub irradiance: DVec3,
 }

@@ -73,6 +73,18 @@ pub enum SceneError {
         /// What is wrong with it, with the remedy.
         problem: String,
     },
+    /// A scene cannot be converted to a file of this ending.
+    #[error("`{path}` ends neither in .toml nor in .ply, so it is not clear what to write; give one of these endings")]
+    Ending {
+        /// The file.
+        path: String,
+    },
+    /// A scene file shall become one.
+    #[error("`{path}` is a scene file already; convert it to .ply, or give a model (.ply, .obj, .gltf, .glb)")]
+    AlreadyToml {
+        /// The file.
+        path: String,
+    },
     /// The file says nothing.
     #[error("`{path}` is empty: a scene needs at least a [camera], a surface and a light, see docs/scene-format.md")]
     Empty {

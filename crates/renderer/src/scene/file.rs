@@ -43,7 +43,7 @@ pub(super) struct SceneFile {
     pub lights: Vec<LightTable>,
 }
 
-/// `[camera]`: a pinhole camera.
+/// `[camera]`: a pinhole camera, or one with a thin lens.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraTable {
@@ -55,6 +55,10 @@ pub(super) struct CameraTable {
     pub up: Option<Numbers<3>>,
     /// Angle between the picture's lower and upper edge, degrees.
     pub vertical_fov_degrees: f64,
+    /// Radius of a thin lens, m; 0, a pinhole, if it is not given.
+    pub lens_radius: Option<f64>,
+    /// Distance from the camera to the plane that is in focus, m; that of the target if it is not given.
+    pub focus_distance: Option<f64>,
 }
 
 /// `[render]`: defaults for the settings of a render.
@@ -81,24 +85,39 @@ pub(super) struct RenderTable {
 pub(super) struct MaterialTable {
     /// Which kind it is.
     pub kind: MaterialKind,
-    /// Share of the light that is reflected, for each of red, green and blue; of a lambertian or mirror.
+    /// Share of the light that is reflected, for each of red, green and blue; of a conductor, head on. The base colour of plastic and of
+    /// the metallic-roughness model. Not of a dielectric.
     pub reflectance: Option<Numbers<3>>,
-    /// Index of refraction of a dielectric.
+    /// Index of refraction of a dielectric or of a coat.
     pub ior: Option<f64>,
-    /// A PNG or JPEG file, relative to the scene's, that the reflectance is multiplied with; of a lambertian or mirror.
+    /// A PNG or JPEG file, relative to the scene's, that the reflectance is multiplied with; not of a dielectric.
     pub texture: Option<String>,
+    /// Another whose green multiplies `roughness` and whose blue multiplies `metallic`, as in glTF.
+    pub roughness_texture: Option<String>,
+    /// Perceptual roughness, 0 to 1: the square root of the GGX α, as in glTF.
+    pub roughness: Option<f64>,
+    /// Share that is metal, 0 to 1, of the metallic-roughness model.
+    pub metallic: Option<f64>,
+    /// Absorption coefficients of the inside of a dielectric, m⁻¹.
+    pub absorption: Option<Numbers<3>>,
 }
 
 /// The kinds of materials.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum MaterialKind {
     /// Reflects evenly in all directions.
     Lambertian,
     /// Reflects as a perfect mirror.
     Mirror,
-    /// Reflects and refracts as smooth, clear glass.
+    /// Reflects and refracts as glass.
     Dielectric,
+    /// Reflects as a metal.
+    Conductor,
+    /// A diffuse base under a dielectric coat.
+    Plastic,
+    /// The model of glTF 2.0, between plastic and metal.
+    MetallicRoughness,
 }
 
 /// `[[quads]]`: a parallelogram, whose front is the side to which `edge_u` × `edge_v` points.
@@ -129,8 +148,10 @@ pub(super) struct SphereTable {
     pub centre: Numbers<3>,
     /// Radius, m.
     pub radius: f64,
-    /// Its material.
-    pub material: String,
+    /// Its material; a sphere that emits may have none and is then black.
+    pub material: Option<String>,
+    /// Radiance that the outside emits, W·sr⁻¹·m⁻².
+    pub radiance: Option<Numbers<3>>,
 }
 
 /// `[[discs]]`: a disc.
@@ -217,21 +238,32 @@ pub(super) struct Rows(pub [Numbers<4>; 3]);
 pub(super) struct LightTable {
     /// What messages call it.
     pub name: Option<String>,
-    /// Which kind it is: only points so far, which need no further look.
-    #[serde(rename = "kind")]
-    pub _kind: LightKind,
-    /// Where it is, m.
-    pub position: Numbers<3>,
-    /// Intensity in every direction, W·sr⁻¹.
-    pub intensity: Numbers<3>,
+    /// Which kind it is.
+    pub kind: LightKind,
+    /// Where a point or spot is, m.
+    pub position: Option<Numbers<3>>,
+    /// Intensity in every direction of a point, and on the axis of a spot, W·sr⁻¹.
+    pub intensity: Option<Numbers<3>>,
+    /// Where a spot shines, or the way directional light travels; of any length.
+    pub direction: Option<Numbers<3>>,
+    /// Angle from a spot's axis up to which it has its full intensity, degrees; 0 if it is not given.
+    pub inner_degrees: Option<f64>,
+    /// Angle from a spot's axis from which on it is dark, degrees.
+    pub outer_degrees: Option<f64>,
+    /// Irradiance of directional light on what faces it, W·m⁻².
+    pub irradiance: Option<Numbers<3>>,
 }
 
 /// The kinds of lights that are not surfaces.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub(super) enum LightKind {
     /// Shines evenly in all directions.
     Point,
+    /// Shines within a cone.
+    Spot,
+    /// Shines in one direction, from infinitely far away.
+    Directional,
 }
 
 /// An array of exactly `N` numbers. (Serde's own arrays ignore what follows the last.)

@@ -1,7 +1,7 @@
 //! A model file as a scene: with its own camera and lights, or with ones that show it.
 
 use super::check::SHORTEST;
-use super::content::{Content, NOTHING, Shape, Substance, Surface, Viewpoint};
+use super::content::{Content, Glass, Layers, NOTHING, Shape, Substance, Surface, Viewpoint};
 use super::error::SceneError;
 use super::limits::MAX_LIGHTS;
 use super::meshes::{self, Assembly, Look};
@@ -19,17 +19,24 @@ const FROM: DVec3 = DVec3::new(0.45, 0.4, 1.0);
 /// What the lamp over a model without a light makes a white surface in its middle reflect, W·sr⁻¹·m⁻².
 const BRIGHTNESS: f64 = 0.8;
 
+/// Roughness of glass whose surface is taken for smooth.
+const SMOOTH: f64 = 0.03;
+
 /// What a finish is among the materials of a scene.
 pub(super) fn substance(finish: &Finish) -> Substance {
     let base = finish.base.clamp(DVec3::ZERO, DVec3::ONE);
+    let alpha = finish.roughness.clamp(0.0, 1.0).powi(2);
     if finish.transmission > 0.5 {
-        return Substance::Dielectric(finish.ior.clamp(1.0, 10.0));
+        let ior = finish.ior.clamp(1.0, 10.0);
+        // Rough glass has to bend light.
+        let alpha = if finish.roughness < SMOOTH || ior < 1.06 { 0.0 } else { alpha };
+        return Substance::Dielectric(Glass { ior, alpha, absorption: DVec3::ZERO });
     }
-    // A metal this smooth is a mirror to the eye.
-    if finish.metallic > 0.5 && finish.roughness < 0.1 {
-        return Substance::Mirror(base);
+    if !finish.coated && finish.metallic == 0.0 {
+        return Substance::Lambertian(base);
     }
-    Substance::Lambertian(base)
+    let ior = finish.ior.clamp(1.0, 10.0);
+    Substance::Layered(Layers { base, metallic: finish.metallic.clamp(0.0, 1.0), ior, alpha })
 }
 
 /// The scene of a model file.
@@ -51,14 +58,15 @@ pub(super) fn scene(path: &Path) -> Result<Scene, SceneError> {
         return Err(refuse(format!("is {radius} m large, but a scene must be {SHORTEST} m at least; scale it up")));
     }
     let points: Vec<_> = model.points.iter().filter(|point| point.intensity.max_element() >= 1e-9).copied().collect();
+    let suns: Vec<_> = model.suns.iter().filter(|sun| sun.irradiance.max_element() >= 1e-9).copied().collect();
     let shining = assembly.surfaces.iter().filter(|surface| surface.radiance.is_some()).count();
-    if points.len() + shining > MAX_LIGHTS {
-        let lights = points.len() + shining;
+    if points.len() + suns.len() + shining > MAX_LIGHTS {
+        let lights = points.len() + suns.len() + shining;
         return Err(refuse(format!(
             "has {lights} lights, emissive triangles among them, but a scene may have {MAX_LIGHTS}; make it emit from fewer"
         )));
     }
-    if points.is_empty() && shining == 0 {
+    if points.is_empty() && suns.is_empty() && shining == 0 {
         notes.push(
             "no light in the file: a square lamp was put above it; write a scene file around it to light it yourself"
                 .into(),
@@ -76,7 +84,19 @@ pub(super) fn scene(path: &Path) -> Result<Scene, SceneError> {
     assembly.sort();
     let Assembly { surfaces, corners, textures, texels, .. } = assembly;
     let (materials, pictures) = (palette.materials, palette.pictures);
-    let content = Content { camera, materials, pictures, surfaces, corners, textures, texels, points };
+    let content = Content {
+        camera,
+        origin: DVec3::ZERO,
+        names: Vec::new(),
+        materials,
+        pictures,
+        surfaces,
+        corners,
+        textures,
+        texels,
+        points,
+        suns,
+    };
     Ok(Scene {
         name: load::stem(&name),
         description: format!("the model {}", one_line(&name)),
@@ -93,16 +113,14 @@ fn add(model: &Model, palette: &mut Palette, assembly: &mut Assembly) -> Result<
     }
     let mut looks = Vec::new();
     for finish in &model.finishes {
-        let picture = finish.picture.map(|at| pictures[at]);
+        let pictures = finish.pictures(&pictures);
         let radiance = meshes::emission(finish);
-        // What shines is lambertian.
-        let substance = if radiance.is_some() {
-            Substance::Lambertian(finish.base.clamp(DVec3::ZERO, DVec3::ONE))
-        } else {
-            substance(finish)
-        };
-        let material = palette.push(substance, picture);
-        looks.push(Look { material, textured: picture.is_some(), radiance, flat: false });
+        let mut substance = substance(finish);
+        if radiance.is_some() && !substance.may_emit() {
+            substance = Substance::Lambertian(finish.base.clamp(DVec3::ZERO, DVec3::ONE));
+        }
+        let material = palette.push(substance, pictures);
+        looks.push(Look { material, textured: pictures.any(), radiance, flat: false });
     }
     for part in &model.parts {
         let look = looks[part.finish.unwrap_or(0)];
@@ -138,6 +156,8 @@ fn framed(centre: DVec3, radius: f64) -> Viewpoint {
         target: centre,
         up: DVec3::Y,
         vertical_fov_degrees: FOV,
+        lens_radius: 0.0,
+        focus: distance,
     }
 }
 

@@ -20,8 +20,9 @@ pub(super) struct Chance {
     pub cumulative: f32,
 }
 
-/// The smallest chance of a light times the number of lights: no light is so weak that it is never drawn.
-const LEAST: f64 = 1.0 / 256.0;
+/// The smallest chance of a light times the number of lights: none is so weak that it is hardly drawn, or starves for photons. The
+/// strong ones pay for it with an eighth of theirs at the most.
+const LEAST: f64 = 1.0 / 8.0;
 /// The kernels' random numbers are multiples of 1 / STEPS.
 const STEPS: f64 = 16_777_216.0;
 
@@ -43,6 +44,25 @@ pub(super) fn chances(sources: &[Source]) -> Vec<Chance> {
         before = cumulative;
     }
     chances
+}
+
+/// Hands out a pass's photons to its lights, in proportion to their chances and at least one to each that takes part; the others get none. There
+/// have to be as many photons as such lights.
+pub(super) fn share_photons(lights: &mut [Light], photons: u32, takes_part: impl Fn(&Light) -> bool) {
+    let weight = |light: &Light| if takes_part(light) { f64::from(light.probability) } else { 0.0 };
+    let total: f64 = lights.iter().map(weight).sum();
+    let taking_part = lights.iter().filter(|light| takes_part(light)).count() as u32;
+    // What is left when each has one is cut at the sums of the chances, so that all is handed out.
+    let rest = f64::from(photons.saturating_sub(taking_part));
+    let (mut sum, mut ones, mut first) = (0.0, 0, 0);
+    for light in lights {
+        sum += weight(light);
+        ones += u32::from(takes_part(light));
+        let end = if ones == taking_part { photons } else { ones + (rest * sum / total) as u32 };
+        light.first_photon = first;
+        light.photons = end - first;
+        first = end;
+    }
 }
 
 #[cfg(test)]
@@ -72,5 +92,32 @@ mod tests {
             before = f64::from(chance.cumulative);
         }
         assert_eq!(before, 1.0);
+    }
+
+    #[test]
+    fn photons_are_handed_out_to_the_last_and_nobody_starves() {
+        let mut sources: Vec<Source> = (0..256).map(|i| source(if i == 9 { 1e6 } else { 1e-6 })).collect();
+        sources[3].power_w = DVec3::splat(5.0);
+        let mut lights: Vec<Light> = chances(&sources)
+            .into_iter()
+            .map(|chance| Light { probability: chance.probability, cumulative: chance.cumulative, ..Light::default() })
+            .collect();
+        for (photons, out) in [(256, 300), (1_000_000, 300), (1_000_000, 9), (255, 0)] {
+            share_photons(&mut lights, photons, |light| light.cumulative != 0.0 || out == 300);
+            let all: u32 = lights.iter().map(|light| light.photons).sum();
+            assert_eq!(all, photons);
+            let mut first = 0;
+            for light in &lights {
+                assert_eq!(light.first_photon, first);
+                first += light.photons;
+            }
+        }
+        share_photons(&mut lights, 1_000_000, |_| true);
+        // An eighth of an equal share, 3906, less what that took from the whole.
+        assert!(lights.iter().all(|light| light.photons >= 430), "{:?}", lights.iter().map(|l| l.photons).min());
+        assert!(lights[9].photons > 880_000);
+        let left_out = lights[9].probability;
+        share_photons(&mut lights, 1000, |light| light.probability != left_out);
+        assert_eq!((lights[9].photons, lights.iter().map(|light| light.photons).sum::<u32>()), (0, 1000));
     }
 }

@@ -18,17 +18,23 @@ mod camera;
 mod check;
 mod compile;
 mod content;
+mod convert;
 mod document;
 mod error;
 mod file;
+mod generated;
 mod import;
+mod inspect;
+mod lamps;
 mod lights;
 pub mod limits;
 mod load;
 mod meshes;
 mod model;
 mod place;
+mod substances;
 mod surfaces;
+mod targets;
 mod text;
 mod validate;
 mod view;
@@ -38,7 +44,9 @@ mod tests;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use compile::CompiledScene;
+pub use convert::Target as ConvertTarget;
 pub use error::{Place, SceneError};
+pub use inspect::Inspection;
 
 use caustic_kernels::trace::Camera;
 use content::Content;
@@ -108,6 +116,20 @@ impl Scene {
     #[must_use]
     pub fn camera(&self, width: u32, height: u32) -> Camera {
         camera::camera(&self.content.camera, width, height)
+    }
+
+    /// What it holds, and what in it is worth a look.
+    #[must_use]
+    pub fn inspect(&self) -> Inspection {
+        inspect::inspect(self)
+    }
+
+    /// This scene, which was loaded from `input`, as the bytes of a file at `output`.
+    ///
+    /// # Errors
+    /// If it is a scene file already and shall become one.
+    pub fn convert(&self, input: &str, output: &std::path::Path, target: ConvertTarget) -> Result<Vec<u8>, SceneError> {
+        convert::convert(self, input, output, target)
     }
 
     /// The kernels' records.

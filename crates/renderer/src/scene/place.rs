@@ -4,6 +4,7 @@ use super::check::{LARGEST, PARALLEL, emission, number, triple, vector, whole};
 use super::document::{Document, Path};
 use super::error::SceneError;
 use super::file::{MeshTable, Numbers, PlaceTable};
+use super::generated::{self, GENERATED};
 use super::limits::MAX_SURFACES;
 use super::model::{self, Model, Part};
 use glam::{DAffine3, DMat3, DQuat, DVec3, EulerRot};
@@ -61,6 +62,11 @@ pub(super) fn mesh(
                 return Err(refuse(
                     "is there beside `normals` or `uv`, which the file has itself; remove these".into(),
                 ));
+            }
+            if let Some(name) = file.strip_prefix("built-in:") {
+                let known = GENERATED.map(|name| format!("\"built-in:{name}\"")).join(", ");
+                return generated::model(name)
+                    .ok_or_else(|| refuse(format!("is none of the meshes {known}; name one")));
             }
             model::read(&folder.join(file)).map_err(|error| match error {
                 SceneError::Model { path, problem } => refuse(format!("is `{path}`, which {problem}")),

@@ -1,10 +1,11 @@
 //! Checks of `[materials]`, `[[quads]]`, `[[spheres]]` and `[[discs]]`.
 
-use super::check::{LARGEST, PARALLEL, SHORTEST, emission, number, triple, vector};
-use super::content::{Shape, Substance, Surface};
+use super::check::{LARGEST, PARALLEL, SHORTEST, emission, number, vector};
+use super::content::{Pictures, Shape, Substance, Surface};
 use super::document::{Document, Path};
 use super::error::SceneError;
-use super::file::{DiscTable, MaterialKind, MaterialTable, QuadTable, SphereTable};
+use super::file::{DiscTable, MaterialTable, Numbers, QuadTable, SphereTable};
+use super::substances::material;
 use super::text::{nearest, one_line};
 use glam::DVec3;
 use std::collections::BTreeMap;
@@ -13,11 +14,11 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub(super) struct Palette {
     /// Indices by name.
-    names: BTreeMap<String, usize>,
+    pub names: BTreeMap<String, usize>,
     /// The materials.
     pub materials: Vec<Substance>,
-    /// Index of the picture on each.
-    pub pictures: Vec<Option<u32>>,
+    /// Pictures on each.
+    pub pictures: Vec<Pictures>,
     /// Index of the black of lights without a material, once there is one.
     black: Option<usize>,
 }
@@ -30,24 +31,28 @@ impl Palette {
         path: &Path,
         name: &str,
         table: &MaterialTable,
-        picture: Option<u32>,
+        pictures: Pictures,
     ) -> Result<(), SceneError> {
         let path = path.key(name);
         if self.names.insert(name.to_string(), self.materials.len()).is_some() {
             return Err(document.field_error(&path, "is there twice, here and in an included file; rename one"));
         }
         let material = material(document, &path, table)?;
-        if picture.is_some() && matches!(material, Substance::Dielectric(_)) {
+        if pictures.colour.is_some() && matches!(material, Substance::Dielectric(_)) {
             return Err(document.field_error(&path.key("texture"), "means nothing for a dielectric; remove it"));
         }
-        self.push(material, picture);
+        if pictures.roughness.is_some() && !matches!(material, Substance::Layered(_)) {
+            let problem = "means nothing for this kind; remove it, or use `kind = \"metallic-roughness\"`";
+            return Err(document.field_error(&path.key("roughness_texture"), problem));
+        }
+        self.push(material, pictures);
         Ok(())
     }
 
     /// Adds a material without a name and returns its index.
-    pub fn push(&mut self, material: Substance, picture: Option<u32>) -> usize {
+    pub fn push(&mut self, material: Substance, pictures: Pictures) -> usize {
         self.materials.push(material);
-        self.pictures.push(picture);
+        self.pictures.push(pictures);
         self.materials.len() - 1
     }
 
@@ -72,40 +77,9 @@ impl Palette {
         if let Some(black) = self.black {
             return black;
         }
-        let black = self.push(Substance::Lambertian(DVec3::ZERO), None);
+        let black = self.push(Substance::Lambertian(DVec3::ZERO), Pictures::default());
         *self.black.insert(black)
     }
-}
-
-fn material(document: &Document<'_>, path: &Path, table: &MaterialTable) -> Result<Substance, SceneError> {
-    let unused = |key: &str, kind: &str, instead: &str| {
-        Err(document.field_error(&path.key(key), format!("means nothing for a {kind}; {instead}")))
-    };
-    if table.kind == MaterialKind::Dielectric {
-        if table.reflectance.is_some() {
-            return unused("reflectance", "dielectric", "remove it: how much glass reflects follows from `ior`");
-        }
-        let Some(ior) = table.ior else {
-            return Err(
-                document.field_error(path, "is a dielectric and lacks the field `ior`; add `ior = 1.5` for glass")
-            );
-        };
-        let what = "an index of refraction";
-        return Ok(Substance::Dielectric(number(document, &path.key("ior"), ior, (0.1, 10.0), what)?));
-    }
-    if table.ior.is_some() {
-        return unused("ior", "lambertian or mirror", "remove it, or use `kind = \"dielectric\"`");
-    }
-    let Some(reflectance) = table.reflectance else {
-        return Err(document
-            .field_error(path, "lacks the field `reflectance`; add `reflectance = [r, g, b]`, each from 0 to 1"));
-    };
-    let what = "a reflectance, the share of the light that comes back,";
-    let reflectance = triple(document, &path.key("reflectance"), reflectance, (0.0, 1.0), what)?;
-    Ok(match table.kind {
-        MaterialKind::Mirror => Substance::Mirror(reflectance),
-        _ => Substance::Lambertian(reflectance),
-    })
 }
 
 /// Checks a quad.
@@ -131,11 +105,23 @@ pub(super) fn quad(
         let problem = "is parallel to `edge_u`, so the quad has no area; give two edges at an angle";
         return Err(document.field_error(&path.key("edge_v"), problem));
     }
-    let radiance = match table.radiance {
+    let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
+    Ok(Surface { shape: Shape::Quad { corner, edge_u, edge_v }, material, radiance, object: 0, has_corners: false })
+}
+
+/// The material and the radiance of a surface, of which it needs one at least.
+fn look(
+    document: &Document<'_>,
+    path: &Path,
+    material: Option<&String>,
+    radiance: Option<Numbers<3>>,
+    palette: &mut Palette,
+) -> Result<(usize, Option<DVec3>), SceneError> {
+    let radiance = match radiance {
         Some(radiance) => Some(emission(document, &path.key("radiance"), radiance, "a radiance (W/sr/m²)")?),
         None => None,
     };
-    let material = match (&table.material, radiance) {
+    let material = match (material, radiance) {
         (Some(name), _) => palette.find(document, &path.key("material"), name)?,
         (None, Some(_)) => palette.black(),
         (None, None) => {
@@ -143,12 +129,11 @@ pub(super) fn quad(
             return Err(document.field_error(path, problem));
         }
     };
-    if radiance.is_some() && !matches!(palette.materials[material], Substance::Lambertian(_)) {
-        let problem =
-            "is a mirror or dielectric, but a quad that emits must be lambertian; choose another or remove `radiance`";
+    if radiance.is_some() && !palette.materials[material].may_emit() {
+        let problem = "is a mirror or dielectric, but what emits must not be; choose another or remove `radiance`";
         return Err(document.field_error(&path.key("material"), problem));
     }
-    Ok(Surface { shape: Shape::Quad { corner, edge_u, edge_v }, material, radiance, object: 0, has_corners: false })
+    Ok((material, radiance))
 }
 
 /// Checks a sphere.
@@ -156,12 +141,12 @@ pub(super) fn sphere(
     document: &Document<'_>,
     path: &Path,
     table: &SphereTable,
-    palette: &Palette,
+    palette: &mut Palette,
 ) -> Result<Surface, SceneError> {
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
-    let material = palette.find(document, &path.key("material"), &table.material)?;
-    Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance: None, object: 0, has_corners: false })
+    let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
+    Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance, object: 0, has_corners: false })
 }
 
 /// Checks a disc.

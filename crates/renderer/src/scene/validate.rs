@@ -1,11 +1,11 @@
 //! From the fields of a file to a scene that can be rendered, or to the first thing that is wrong.
 
-use super::check::{emission, vector};
-use super::content::{Content, PointLight, Shape, Substance};
+use super::content::{Content, Pictures, PointLight, Shape, Substance, Sun};
 use super::document::{Document, Path};
 use super::error::SceneError;
 use super::file::{InstanceTable, MeshTable, SceneFile};
 use super::import::substance;
+use super::lamps::{Lamp, lamp};
 use super::limits::{MAX_LIGHTS, MAX_SURFACES};
 use super::meshes::{self, Assembly, Look};
 use super::model::{self, Model};
@@ -34,14 +34,27 @@ pub(super) fn validate(
     let defaults = render(document, &file.render)?;
     let mut builder = Builder::default();
     builder.add(document, file, 0)?;
-    let Builder { palette, mut assembly, points, mut notes, .. } = builder;
+    let Builder { palette, mut assembly, points, suns, mut notes, .. } = builder;
     assembly.sort();
     if assembly.degenerate > 0 {
         notes.push(format!("{} triangles have no area and were left out", assembly.degenerate));
     }
     let Assembly { surfaces, corners, textures, texels, .. } = assembly;
+    let names = palette.names.into_iter().collect();
     let (materials, pictures) = (palette.materials, palette.pictures);
-    let content = Content { camera, materials, pictures, surfaces, corners, textures, texels, points };
+    let content = Content {
+        camera,
+        origin: DVec3::ZERO,
+        names,
+        materials,
+        pictures,
+        surfaces,
+        corners,
+        textures,
+        texels,
+        points,
+        suns,
+    };
     whole_scene(document, &content)?;
     Ok((defaults, content.localised(), notes))
 }
@@ -52,6 +65,7 @@ struct Builder {
     palette: Palette,
     assembly: Assembly,
     points: Vec<PointLight>,
+    suns: Vec<Sun>,
     notes: Vec<String>,
     /// Meshes by their names, for instances.
     meshes: Vec<(String, Known)>,
@@ -72,11 +86,15 @@ impl Builder {
         }
         for (name, table) in &file.materials {
             let path = top.key("materials");
-            let picture = match &table.texture {
-                Some(file) => Some(self.picture(document, &path.key(name).key("texture"), &folder.join(file))?),
-                None => None,
+            let picture = |builder: &mut Self, key: &str, file: &Option<String>, srgb| {
+                let at = path.key(name).key(key);
+                file.as_ref().map(|file| builder.picture(document, &at, &folder.join(file), srgb)).transpose()
             };
-            self.palette.add(document, &path, name, table, picture)?;
+            let pictures = Pictures {
+                colour: picture(self, "texture", &table.texture, true)?,
+                roughness: picture(self, "roughness_texture", &table.roughness_texture, false)?,
+            };
+            self.palette.add(document, &path, name, table, pictures)?;
         }
         let Self { palette, assembly, .. } = self;
         for (i, table) in file.quads.iter().enumerate() {
@@ -101,10 +119,10 @@ impl Builder {
         }
         for (i, table) in file.lights.iter().enumerate() {
             let path = named(&top.key("lights").index(i), table.name.as_ref());
-            self.points.push(PointLight {
-                position: vector(document, &path.key("position"), table.position)?,
-                intensity: emission(document, &path.key("intensity"), table.intensity, "an intensity (W/sr)")?,
-            });
+            match lamp(document, &path, table)? {
+                Lamp::Point(point) => self.points.push(point),
+                Lamp::Sun(sun) => self.suns.push(sun),
+            }
         }
         Ok(())
     }
@@ -129,8 +147,14 @@ impl Builder {
         self.add(&included, &fields, depth + 1)
     }
 
-    fn picture(&mut self, document: &Document<'_>, path: &Path, file: &FilePath) -> Result<u32, SceneError> {
-        let picture = model::picture(file).and_then(|picture| self.assembly.add_picture(&picture));
+    fn picture(
+        &mut self,
+        document: &Document<'_>,
+        path: &Path,
+        file: &FilePath,
+        srgb: bool,
+    ) -> Result<u32, SceneError> {
+        let picture = model::picture(file, srgb).and_then(|picture| self.assembly.add_picture(&picture));
         picture.map_err(|problem| document.field_error(path, format!("names a file that {problem}")))
     }
 
@@ -186,8 +210,7 @@ impl Builder {
                 pictures.push(added);
             }
             for finish in &model.finishes {
-                let picture = finish.picture.map(|at| pictures[at]);
-                finishes.push(palette.push(substance(finish), picture));
+                finishes.push(palette.push(substance(finish), finish.pictures(&pictures)));
             }
         }
         let mut looks = Vec::new();
@@ -196,14 +219,14 @@ impl Builder {
             let index = material.unwrap_or_else(|| finishes[finish]);
             let own = if material.is_none() { meshes::emission(&model.finishes[finish]) } else { None };
             let radiance = radiance.or(own);
-            let textured = palette.pictures[index].is_some();
+            let textured = palette.pictures[index].any();
             if textured && part.uv.is_empty() {
                 let problem =
                     "has a material with a texture, but no texture coordinates; add them or use another material";
                 return Err(document.field_error(path, problem));
             }
-            if radiance.is_some() && !matches!(palette.materials[index], Substance::Lambertian(_)) {
-                let problem = "emits, but its material is not lambertian; choose another or remove the emission";
+            if radiance.is_some() && !palette.materials[index].may_emit() {
+                let problem = "emits, but is a mirror or dielectric; choose another material or remove the emission";
                 return Err(document.field_error(path, problem));
             }
             looks.push(Look { material: index, textured, radiance, flat });
@@ -270,7 +293,9 @@ fn whole_scene(document: &Document<'_>, content: &Content) -> Result<(), SceneEr
     if surfaces > MAX_SURFACES {
         return error(format!("has {surfaces} surfaces, but may have {MAX_SURFACES} at most; remove some"));
     }
-    let lights = content.points.len() + content.surfaces.iter().filter(|surface| surface.radiance.is_some()).count();
+    let lights = content.points.len()
+        + content.suns.len()
+        + content.surfaces.iter().filter(|surface| surface.radiance.is_some()).count();
     if lights == 0 {
         return error("has no light, so it would be black; give a quad a `radiance` or add [[lights]]".to_string());
     }

@@ -32,7 +32,7 @@ pub(super) fn camera(document: &Document<'_>, table: &CameraTable) -> Result<Vie
             "is where the camera stands; move one of them, so that it looks somewhere",
         ));
     }
-    let at = if table.up.is_some() { path.key("up") } else { path };
+    let at = if table.up.is_some() { path.key("up") } else { path.clone() };
     if up.length() < SHORTEST {
         return Err(
             document.field_error(&at, "has no length, so it does not say where up is; use [0, 1, 0], for example")
@@ -46,7 +46,18 @@ pub(super) fn camera(document: &Document<'_>, table: &CameraTable) -> Result<Vie
             document.field_error(&at, "looks straight up or down, along +y, which is up where `up` is not given; add one across the view, such as `up = [0, 0, -1]`")
         });
     }
-    Ok(Viewpoint { position, target, up, vertical_fov_degrees })
+    let lens_radius = match table.lens_radius {
+        Some(radius) => number(document, &path.key("lens_radius"), radius, (0.0, LARGEST), "the radius of a lens (m)")?,
+        None => 0.0,
+    };
+    let focus = match table.focus_distance {
+        Some(focus) => {
+            number(document, &path.key("focus_distance"), focus, (SHORTEST, LARGEST), "the distance in focus (m)")?
+        }
+        // Along the view: the target is in its middle.
+        None => view.length(),
+    };
+    Ok(Viewpoint { position, target, up, vertical_fov_degrees, lens_radius, focus })
 }
 
 /// Checks `[render]`.

@@ -3,7 +3,7 @@
 use super::accessor::{numbers, view};
 use super::picture::decode;
 use super::{Finish, Model, Part, companion};
-use crate::scene::content::{PointLight, Viewpoint};
+use crate::scene::content::{PointLight, Spot, Sun, Viewpoint};
 use crate::scene::text::one_line;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -14,6 +14,7 @@ use gltf::khr_lights_punctual::Kind;
 use gltf::mesh::Mode;
 use gltf::texture::WrappingMode;
 use gltf::{Document, Gltf, Node, Semantic, buffer, image};
+use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
 
 /// Deepest nesting of nodes, and most of them: what instances multiply ends somewhere.
@@ -24,6 +25,8 @@ const KNOWN: [&str; 4] =
     ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_transmission"];
 /// Lumens a watt with which photometric units are taken for radiometric ones, as exporters do.
 const LUMENS_PER_WATT: f64 = 683.0;
+/// Narrowest cone of a spot, radians.
+const NARROWEST: f64 = 1e-3;
 
 /// Reads a file's bytes; buffers and pictures that are not in it lie next to it.
 pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Model, String> {
@@ -100,6 +103,7 @@ impl File<'_> {
             let strength = f64::from(material.emissive_strength().unwrap_or(1.0));
             let emission = DVec3::from_array(material.emissive_factor().map(f64::from)) * strength;
             let mut finish = Finish {
+                coated: true,
                 base: DVec3::new(r, g, b),
                 metallic: surface.metallic_factor().into(),
                 roughness: surface.roughness_factor().into(),
@@ -107,16 +111,21 @@ impl File<'_> {
                 ior: material.ior().unwrap_or(1.5).into(),
                 emission,
                 picture: None,
+                roughness_picture: None,
             };
             if let Some(info) = surface.base_color_texture() {
                 if info.tex_coord() == 0 {
-                    finish.picture = Some(self.picture(&info.texture())?);
+                    finish.picture = Some(self.picture(&info.texture(), true)?);
                 } else {
                     self.left_out("pictures that have texture coordinates of their own");
                 }
             }
-            if surface.metallic_roughness_texture().is_some() {
-                self.left_out("pictures of metalness and roughness");
+            if let Some(info) = surface.metallic_roughness_texture() {
+                if info.tex_coord() == 0 {
+                    finish.roughness_picture = Some(self.picture(&info.texture(), false)?);
+                } else {
+                    self.left_out("pictures that have texture coordinates of their own");
+                }
             }
             if material.normal_texture().is_some() || material.occlusion_texture().is_some() {
                 self.left_out("normal and occlusion maps");
@@ -129,11 +138,11 @@ impl File<'_> {
             }
             self.model.finishes.push(finish);
         }
-        self.model.finishes.push(Finish { base: DVec3::ONE, ..Finish::default() });
+        self.model.finishes.push(Finish { coated: true, base: DVec3::ONE, ..Finish::default() });
         Ok(())
     }
 
-    fn picture(&mut self, texture: &gltf::Texture<'_>) -> Result<usize, String> {
+    fn picture(&mut self, texture: &gltf::Texture<'_>, srgb: bool) -> Result<usize, String> {
         let sampler = texture.sampler();
         let wrap = |mode: WrappingMode| match mode {
             WrappingMode::ClampToEdge => WRAP_CLAMP,
@@ -144,8 +153,8 @@ impl File<'_> {
         let image = texture.source();
         let of = |problem: String| format!("has image {}, which {problem}", image.index());
         let picture = match image.source() {
-            image::Source::View { view: from, .. } => decode(view(&from, self.buffers)?, wrap, true).map_err(of)?,
-            image::Source::Uri { uri, .. } => decode(&resource(uri, self.path)?, wrap, true).map_err(of)?,
+            image::Source::View { view: from, .. } => decode(view(&from, self.buffers)?, wrap, srgb).map_err(of)?,
+            image::Source::Uri { uri, .. } => decode(&resource(uri, self.path)?, wrap, srgb).map_err(of)?,
         };
         // Textures of one image are one picture, unless they go on differently beyond its edges.
         let pictures = &mut self.model.pictures;
@@ -185,19 +194,29 @@ impl File<'_> {
                     target: place.transform_point3(DVec3::NEG_Z),
                     up: place.transform_vector3(DVec3::Y),
                     vertical_fov_degrees: f64::from(lens.yfov()).to_degrees(),
+                    lens_radius: 0.0,
+                    focus: 1.0,
                 }),
                 Projection::Orthographic(_) => self.left_out("orthographic cameras"),
             }
         }
         if let Some(light) = node.light() {
+            let colour = DVec3::from_array(light.color().map(f64::from));
+            let power = colour * (f64::from(light.intensity()) / LUMENS_PER_WATT);
+            let (position, direction) =
+                (place.translation, place.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Y));
+            let point = PointLight { position, intensity: power, spot: None };
             match light.kind() {
-                Kind::Point => {
-                    let colour = DVec3::from_array(light.color().map(f64::from));
-                    let intensity = colour * (f64::from(light.intensity()) / LUMENS_PER_WATT);
-                    self.model.points.push(PointLight { position: place.translation, intensity });
+                Kind::Point => self.model.points.push(point),
+                Kind::Spot { inner_cone_angle, outer_cone_angle } => {
+                    // 1 − cos without cancellation; between the two there has to be a rim.
+                    let depth = |angle: f64| 2.0 * (angle / 2.0).sin().powi(2);
+                    let outer = f64::from(outer_cone_angle).clamp(NARROWEST, FRAC_PI_2);
+                    let inner = f64::from(inner_cone_angle).clamp(0.0, outer * 0.999);
+                    let spot = Spot { axis: direction, inner: depth(inner), outer: depth(outer) };
+                    self.model.points.push(PointLight { spot: Some(spot), ..point });
                 }
-                Kind::Spot { .. } => self.left_out("spot lights"),
-                Kind::Directional => self.left_out("directional lights"),
+                Kind::Directional => self.model.suns.push(Sun { direction, irradiance: power }),
             }
         }
         for child in node.children() {

@@ -8,7 +8,7 @@ mod ply;
 
 pub(super) use picture::Picture;
 
-use super::content::{PointLight, Viewpoint};
+use super::content::{Pictures, PointLight, Sun, Viewpoint};
 use super::error::SceneError;
 use super::text::one_line;
 use glam::{DAffine3, DVec3};
@@ -30,6 +30,7 @@ pub(super) struct Model {
     pub pictures: Vec<Picture>,
     pub cameras: Vec<Viewpoint>,
     pub points: Vec<PointLight>,
+    pub suns: Vec<Sun>,
     /// What the file has that is not rendered, each in a few words.
     pub left_out: BTreeSet<String>,
 }
@@ -53,6 +54,8 @@ pub(super) struct Part {
 /// A material as model files have it: glTF's metallic-roughness with transmission.
 #[derive(Clone, Debug)]
 pub(super) struct Finish {
+    /// Whether it has a coat that shines, as all of glTF's have.
+    pub coated: bool,
     /// Base colour, linear.
     pub base: DVec3,
     pub metallic: f64,
@@ -64,11 +67,25 @@ pub(super) struct Finish {
     pub emission: DVec3,
     /// Index of the picture that the base colour is multiplied with.
     pub picture: Option<usize>,
+    /// Index of the picture that roughness and metalness are multiplied with.
+    pub roughness_picture: Option<usize>,
+}
+
+impl Finish {
+    /// Its pictures, when those of the model have become `added` of a scene.
+    pub fn pictures(&self, added: &[u32]) -> Pictures {
+        Pictures {
+            colour: self.picture.map(|at| added[at]),
+            // What a glass has of them is not rendered.
+            roughness: self.roughness_picture.map(|at| added[at]).filter(|_| self.transmission <= 0.5),
+        }
+    }
 }
 
 impl Default for Finish {
     fn default() -> Self {
         Self {
+            coated: false,
             base: DVec3::splat(0.8),
             metallic: 0.0,
             roughness: 1.0,
@@ -76,6 +93,7 @@ impl Default for Finish {
             ior: 1.5,
             emission: DVec3::ZERO,
             picture: None,
+            roughness_picture: None,
         }
     }
 }
@@ -180,11 +198,14 @@ fn companion(path: &Path, name: &str) -> Result<Vec<u8>, String> {
 }
 
 /// The picture in a file, in linear light.
-pub(super) fn picture(path: &Path) -> Result<Picture, String> {
-    bytes_of(path).and_then(|bytes| picture::decode(&bytes, caustic_kernels::trace::WRAP_REPEAT, true))
+pub(super) fn picture(path: &Path, srgb: bool) -> Result<Picture, String> {
+    bytes_of(path).and_then(|bytes| picture::decode(&bytes, caustic_kernels::trace::WRAP_REPEAT, srgb))
 }
 
 /// A polygon as triangles, a fan from its first corner.
 fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
     (2..corners.len()).map(|i| [corners[0], corners[i - 1], corners[i]])
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,29 +1,11 @@
-//! What mirrors and glass do with a ray.
+//! Ideal mirrors and smooth glass: delta lobes.
 
-use super::scene::{MATERIAL_MIRROR, Material};
-use super::vector::{dot, normalize, reflect};
+use super::fresnel::fresnel;
+use super::{Scattered, delta};
 use crate::num::{div, sqrt};
+use crate::trace::scene::{MATERIAL_MIRROR, Material};
+use crate::trace::vector::{dot, normalize, reflect};
 use glam::Vec3;
-
-/// A ray after a specular surface.
-pub struct Scattered {
-    /// Unit direction.
-    pub direction: Vec3,
-    /// The normal of the side on which it leaves.
-    pub side: Vec3,
-    /// Factor on its power or throughput, for each of red, green and blue.
-    pub weight: Vec3,
-}
-
-/// Fresnel reflectance of a smooth dielectric for unpolarised light; `cos_i` and `cos_t` are the cosines of the angles of
-/// incidence and refraction and `eta` the ratio of the indices, n_i / n_t.
-#[inline]
-#[must_use]
-pub fn fresnel(cos_i: f32, cos_t: f32, eta: f32) -> f32 {
-    let parallel = div(cos_i - eta * cos_t, cos_i + eta * cos_t);
-    let perpendicular = div(eta * cos_i - cos_t, eta * cos_i + cos_t);
-    0.5 * (parallel * parallel + perpendicular * perpendicular)
-}
 
 /// Follows a ray of unit direction `d` at a mirror or dielectric with outward normal `n`. `u` decides between reflection and
 /// refraction, each with its Fresnel chance, so that the weight stays 1.
@@ -38,41 +20,30 @@ pub fn scatter_specular(material: &Material, d: Vec3, n: Vec3, u: f32) -> Scatte
     let mirrored = reflect(d, facing);
     let weight = Vec3::from_array(material.reflectance);
     if material.kind == MATERIAL_MIRROR {
-        return Scattered { direction: mirrored, side: facing, weight };
+        return delta(mirrored, facing, weight);
     }
     let cos_i = if cos > 0.0 { cos } else { -cos };
     let eta = if cos > 0.0 { material.ior } else { div(1.0, material.ior) };
     let sin2_t = eta * eta * (1.0 - cos_i * cos_i);
     if sin2_t >= 1.0 {
-        return Scattered { direction: mirrored, side: facing, weight };
+        return delta(mirrored, facing, weight);
     }
     let cos_t = sqrt(1.0 - sin2_t);
     if u < fresnel(cos_i, cos_t, eta) {
-        return Scattered { direction: mirrored, side: facing, weight };
+        return delta(mirrored, facing, weight);
     }
     let refracted = normalize(d * eta + facing * (eta * cos_i - cos_t));
-    Scattered { direction: refracted, side: -facing, weight }
+    delta(refracted, -facing, weight)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trace::bsdf::tests::NOTHING;
     use crate::trace::scene::MATERIAL_DIELECTRIC;
 
-    const GLASS: Material = Material {
-        reflectance: [1.0; 3],
-        kind: MATERIAL_DIELECTRIC,
-        ior: 1.5,
-        survival: 1.0,
-        texture: 0,
-        roughness_texture: 0,
-    };
-
-    #[test]
-    fn glass_reflects_four_percent_head_on_and_all_at_grazing_angles() {
-        assert!((fresnel(1.0, 1.0, 1.0 / 1.5) - 0.04).abs() < 1e-6);
-        assert!((fresnel(0.0, (1.0f32 - 1.0 / 2.25).sqrt(), 1.0 / 1.5) - 1.0).abs() < 1e-6);
-    }
+    const GLASS: Material =
+        Material { reflectance: [1.0; 3], kind: MATERIAL_DIELECTRIC, ior: 1.5, survival: 1.0, ..NOTHING };
 
     #[test]
     fn refraction_obeys_snell() {

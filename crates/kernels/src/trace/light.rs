@@ -1,0 +1,175 @@
+//! Lights as a point of a surface sees them.
+
+use super::scene::{LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, SceneInfo};
+use super::vector::{cone, dot, normalize, sample_cone};
+use crate::exec::Input;
+use crate::num::{div, max, min, sqrt};
+use glam::Vec3;
+
+const PI: f32 = core::f32::consts::PI;
+
+/// Farther than any surface: where a directional light is.
+pub const FAR_AWAY: f32 = 1e30;
+
+/// One place of a light, as it is seen from a point.
+pub struct Glimpse {
+    /// Unit direction to it.
+    pub direction: Vec3,
+    /// Distance, m; 0 if there is nothing to be seen.
+    pub distance: f32,
+    /// Radiance, W·sr⁻¹·m⁻², of what has an area; intensity, W·sr⁻¹, of a point or spot; irradiance of what faces it, W·m⁻², of a
+    /// directional light.
+    pub emission: Vec3,
+    /// What the emission is divided by: the distance squared, m², or 1.
+    spread: f32,
+    /// What it is multiplied with: one over the density with which the place was drawn, m² or sr.
+    extent: f32,
+    /// Cosine of the angle at which an area is seen.
+    slant: f32,
+}
+
+impl Glimpse {
+    /// Irradiance for an emission of 1 on a surface that sees the light at an angle of cosine `cos`, over the `chance` with which the
+    /// light was drawn.
+    #[inline]
+    #[must_use]
+    pub fn geometry(&self, cos: f32, chance: f32) -> f32 {
+        div(cos, self.spread * chance) * self.slant * self.extent
+    }
+}
+
+/// Chooses light by `u`, each with the chance that the host gave it.
+#[inline]
+#[must_use]
+pub fn choose_light(u: f32, info: &SceneInfo, lights: &Input<Light>) -> u32 {
+    // The first whose sum of chances is above u.
+    let mut first = 0;
+    let mut last = info.lights - 1;
+    while first < last {
+        let middle = (first + last) / 2;
+        if u >= lights[middle as usize].cumulative {
+            first = middle + 1;
+        } else {
+            last = middle;
+        }
+    }
+    first
+}
+
+/// Whether a ray can meet the light, because it is a surface.
+#[inline]
+#[must_use]
+pub fn is_surface(light: &Light) -> bool {
+    light.kind == LIGHT_AREA || light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_SPHERE
+}
+
+/// Point (u, v) of a flat light, evenly drawn, or the place of a point light.
+#[inline]
+#[must_use]
+pub fn light_point<const FULL: bool>(light: &Light, u: f32, v: f32) -> Vec3 {
+    let position = Vec3::from_array(light.position);
+    let (mut u, mut v) = (u, v);
+    if FULL && light.kind == LIGHT_TRIANGLE && u + v > 1.0 {
+        // The other half of the parallelogram, turned onto this one.
+        u = 1.0 - u;
+        v = 1.0 - v;
+    }
+    if light.kind == LIGHT_AREA || (FULL && light.kind == LIGHT_TRIANGLE) {
+        position + Vec3::from_array(light.edges[0]) * u + Vec3::from_array(light.edges[1]) * v
+    } else {
+        position
+    }
+}
+
+/// How much of its intensity a spot light sends in a direction: 1 within the inner cone, 0 outside of the outer one, and between
+/// them 3x² − 2x³ of how far the cosine has come.
+#[inline]
+#[must_use]
+pub fn spot_falloff(light: &Light, direction: Vec3) -> f32 {
+    let [inner, outer, _] = light.edges[0];
+    let off = 1.0 - dot(direction, Vec3::from_array(light.normal));
+    if off <= inner {
+        return 1.0;
+    }
+    let x = max(0.0, min(1.0, div(outer - off, outer - inner)));
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// Looks from a point at the place (u, v) of a light: a flat one is drawn evenly by area, a sphere by the solid angle that it fills (Shirley,
+/// Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG 1996).
+#[inline]
+#[must_use]
+pub fn look<const FULL: bool>(light: &Light, from: Vec3, u: f32, v: f32) -> Glimpse {
+    let mut glimpse = Glimpse {
+        direction: Vec3::Z,
+        distance: 0.0,
+        emission: Vec3::from_array(light.emission),
+        spread: 1.0,
+        extent: 1.0,
+        slant: 1.0,
+    };
+    if FULL && light.kind == LIGHT_DIRECTIONAL {
+        glimpse.direction = -Vec3::from_array(light.normal);
+        glimpse.distance = FAR_AWAY;
+        return glimpse;
+    }
+    if FULL && light.kind == LIGHT_SPHERE {
+        let axis = Vec3::from_array(light.position) - from;
+        let radius = light.edges[0][0];
+        if dot(axis, axis) <= radius * radius {
+            return glimpse; // from inside, which does not shine
+        }
+        let one_minus_cos = cone(axis, radius);
+        let direction = sample_cone(normalize(axis), one_minus_cos, u, v);
+        // Where the ray meets the sphere; at its rim, where rounding may let it miss, the point nearest to the centre.
+        let along = dot(axis, direction);
+        let root = radius * radius - (dot(axis, axis) - along * along);
+        glimpse.direction = direction;
+        glimpse.distance = along - sqrt(max(0.0, root));
+        glimpse.extent = 2.0 * PI * one_minus_cos;
+        return glimpse;
+    }
+    let to_light = light_point::<FULL>(light, u, v) - from;
+    let distance2 = dot(to_light, to_light);
+    let distance = sqrt(distance2);
+    if distance > 0.0 {
+        glimpse.direction = to_light * div(1.0, distance);
+        glimpse.distance = distance;
+        glimpse.spread = distance2;
+        if light.kind == LIGHT_AREA || (FULL && light.kind == LIGHT_TRIANGLE) {
+            glimpse.slant = max(0.0, -dot(Vec3::from_array(light.normal), glimpse.direction));
+            glimpse.extent = light.area;
+        }
+        if FULL && light.kind == LIGHT_SPOT {
+            glimpse.emission *= spot_falloff(light, -glimpse.direction);
+        }
+    }
+    glimpse
+}
+
+/// Density, sr⁻¹, with which a light is chosen and [`look`] draws this direction from the point `from`, where a ray of that direction meets
+/// the light's front at the distance `distance`.
+#[inline]
+#[must_use]
+pub fn look_density(light: &Light, from: Vec3, direction: Vec3, distance: f32) -> f32 {
+    if light.kind == LIGHT_SPHERE {
+        let one_minus_cos = cone(Vec3::from_array(light.position) - from, light.edges[0][0]);
+        return div(light.probability, 2.0 * PI * one_minus_cos);
+    }
+    let slant = max(0.0, -dot(Vec3::from_array(light.normal), direction));
+    let seen = slant * light.area;
+    if seen > 0.0 { div(distance * distance * light.probability, seen) } else { 0.0 }
+}
+
+/// The weight of a sample of density `mine` beside another way of drawing it, of density `other`: the power heuristic (Veach, "Robust Monte
+/// Carlo Methods for Light Transport Simulation", 1997, section 9.2.3, β = 2). The two ways' weights add up to 1.
+#[inline]
+#[must_use]
+pub fn power_heuristic(mine: f32, other: f32) -> f32 {
+    // By the ratio, whose square cannot overflow where it matters.
+    if mine <= 0.0 {
+        return 0.0;
+    }
+    let ratio = min(1e9, div(other, mine));
+    div(1.0, 1.0 + ratio * ratio)
+}
