@@ -10,11 +10,12 @@ mod map;
 mod photons;
 mod progress;
 mod render;
+mod scene;
 mod starter;
 mod tonemap;
 mod verify;
 
-use args::{Arguments, Command, SceneCommand};
+use args::{Arguments, Command};
 use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
@@ -107,7 +108,7 @@ fn main() -> ExitCode {
         Command::Completions { shell } => starter::completions(shell),
         Command::Man { output } => starter::man(output.as_deref()),
         Command::Info { json } => info::devices(json),
-        Command::Scene { command: SceneCommand::List { json } } => info::scenes(json),
+        Command::Scene { command } => scene::run(&command),
     };
     result.map_or_else(|failure| fail(&failure), |()| ExitCode::SUCCESS)
 }

@@ -76,7 +76,7 @@ pub fn render_on(
     let compiled = scene.compile();
     let buffers = SceneBuffers::new(device, &compiled)?;
     let frame = Frame::new(device, scene, &compiled, &buffers, settings, given.photons)?;
-    let mut notes = Vec::new();
+    let mut notes = scene.notes.clone();
     let mut state = match given.passes {
         Some(state) => {
             assert_eq!(state.size, settings.size, "the size of the passes");

@@ -15,6 +15,9 @@ pub struct BuiltIn {
 pub const BUILT_IN: &[BuiltIn] = &[
     BuiltIn { name: "cornell", text: include_str!("../../scenes/cornell.toml") },
     BuiltIn { name: "furnace", text: include_str!("../../scenes/furnace.toml") },
+    BuiltIn { name: "hall", text: include_str!("../../scenes/hall.toml") },
+    BuiltIn { name: "landscape", text: include_str!("../../scenes/landscape.toml") },
+    BuiltIn { name: "micro", text: include_str!("../../scenes/micro.toml") },
     BuiltIn { name: "plane", text: include_str!("../../scenes/plane.toml") },
 ];
 
