@@ -28,7 +28,7 @@ pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
         let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
         return write(folder, &figures, &store);
     }
-    let patience_s = arguments.patience.unwrap_or(if arguments.quick { 5.0 } else { 60.0 });
+    let patience_s = arguments.patience.unwrap_or(if arguments.quick { 10.0 } else { 60.0 });
     if patience_s.is_nan() || patience_s <= 0.0 {
         return Err(Failure::input(format!("--patience is {patience_s} but must be above 0 seconds")));
     }

@@ -32,7 +32,7 @@ pub struct Header {
     pub quick: bool,
     /// When it began, UTC.
     pub date: String,
-    /// The command that began it.
+    /// The commands that measured it.
     pub command: String,
 }
 
@@ -82,6 +82,9 @@ impl Store {
                 store.header.machine.title(),
                 store.header.machine.commit,
             ));
+        }
+        if !store.header.command.split("; ").any(|known| known == command) {
+            store.header.command += &format!("; {command}");
         }
         // What was cut off in the middle of a line is written anew.
         store.rewrite()?;
@@ -232,6 +235,9 @@ pub(crate) mod tests {
         assert_eq!((store.value(&case(10), "build_ms"), store.found(&case(10))), (Some(1.5), Some("ab")));
         assert_eq!((store.value(&case(20), "build_ms"), store.cases().count()), (None, 2));
         store.add(&case(30), values(&[]), None).unwrap();
+        drop(store);
+        let store = Store::open(folder.path(), &machine, true, "caustic experiments --only fig16").unwrap();
+        assert_eq!(store.header.command, "caustic experiments; caustic experiments --only fig16");
         assert_eq!(Store::read(folder.path()).ok().unwrap().cases().count(), 3);
     }
 

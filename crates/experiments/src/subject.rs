@@ -74,7 +74,7 @@ pub const SUBJECTS: &[Subject] = &[
     subject(TESCHNER_LARGE, "Teschner hash of 2²⁰, list", teschner(LARGE_TABLE, Gather::List)),
     subject(LINEAR_HEAP, "linear hash, heap", Technique::hash(Hash::Linear, Cells::CentreFirst, Gather::Heap)),
     subject(BRUTE, "brute force, insertion sort", Technique::Brute { sort: BruteSort::Insertion }),
-    subject(CELLS, "linear hash, a lane a cell", Technique::Cells { hash: Hash::Linear }),
+    subject(CAUSTIC_MORTON, "caustic, Morton hash", Technique::hash(Hash::Morton, Cells::Crowding, Gather::Auto)),
     subject(TESCHNER_HEAP, "Teschner hash, heap", teschner(TABLE, Gather::Heap)),
     subject(
         LINEAR_IN_ORDER,
@@ -88,7 +88,7 @@ pub const SUBJECTS: &[Subject] = &[
     ),
     subject(BRUTE_COMB, "brute force, comb sort", Technique::Brute { sort: BruteSort::Comb }),
     subject(CAUSTIC_TESCHNER, "caustic, Teschner hash", Technique::hash(Hash::Teschner, Cells::Crowding, Gather::Auto)),
-    subject(CAUSTIC_MORTON, "caustic, Morton hash", Technique::hash(Hash::Morton, Cells::Crowding, Gather::Auto)),
+    subject(CELLS, "linear hash, a lane a cell", Technique::Cells { hash: Hash::Linear }),
 ];
 
 /// The subject of a name.

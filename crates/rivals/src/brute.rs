@@ -5,9 +5,8 @@ use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::rivals::{BRUTE_TILE, BruteParams};
 use caustic_photon_map::{MapError, Neighbours, RADII};
 
-/// Bytes of a distance matrix in GPU memory. The sort has a lane a column, so that the more columns fit the better.
-const GPU_MATRIX: u64 = 1 << 30;
-/// Bytes of a distance matrix in a CPU's memory: what a cache holds, since a sort comes back to its column.
+/// Bytes of a distance matrix in a CPU's memory: what a cache holds, since a sort comes back to its column. On a GPU the sort has a lane a
+/// column, so that the more columns fit the better.
 const CPU_MATRIX: u64 = 1 << 24;
 
 /// How brute force sorts the distances of a query.
@@ -31,7 +30,7 @@ pub struct BruteForce {
 
 impl BruteForce {
     /// Brute force with at most `matrix` bytes for the distances of a chunk of queries, but at least one query a chunk. If not
-    /// given: 1 GiB on a GPU or what its largest buffer holds, 16 MiB on the CPU.
+    /// given: what a GPU's largest buffer holds, 16 MiB on the CPU.
     ///
     /// # Errors
     /// [`MapError::Radius`].
@@ -44,7 +43,7 @@ impl BruteForce {
 
     /// Queries whose distances a matrix has room for, and whose places 32 bits count.
     fn columns(&self, device: &Device) -> u32 {
-        let bytes = self.matrix.unwrap_or(if device.is_gpu() { GPU_MATRIX } else { CPU_MATRIX });
+        let bytes = self.matrix.unwrap_or(if device.is_gpu() { u64::MAX } else { CPU_MATRIX });
         let bytes = bytes.min(device.largest_buffer());
         let places = (bytes / 4).min(u64::from(u32::MAX - BRUTE_TILE));
         let columns = (places / u64::from(self.count.max(1))).max(1) as u32;

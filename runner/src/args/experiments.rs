@@ -18,8 +18,8 @@ pub struct ExperimentsArguments {
     /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
     #[arg(long, value_name = "D", default_value = "auto")]
     pub device: DeviceChoice,
-    /// Longest that a single run of a case may take, in seconds: cases that are expected to take longer are left out. 60 if not
-    /// given, and 5 with --quick.
+    /// Longest that a single run of a case may take, in seconds: cases that are expected to take longer, by those before them, are left
+    /// out, and the report lists them. 60 if not given, and 10 with --quick.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub patience: Option<f64>,
     /// Makes the report of the results that are there, and measures nothing.

@@ -1,7 +1,7 @@
 //! Figures 17 and 26: memory accesses of the kernels, by a recorder (sections 5.3.1 and 5.3.4).
 
 use super::sweep::{Sweep, Vary, ratios, rise, span};
-use super::{Axis, Figure, Page, Results};
+use super::{Axis, Chart, Figure, Page, Results};
 use crate::case::{Case, Map, What};
 use crate::claim::{Claim, all};
 use crate::scope::Scope;
@@ -16,13 +16,28 @@ const SIZES: Sweep =
     Sweep { map: Map::Global, vary: Vary::Size, subjects: &[KD, KD_NEAREST, LINEAR, TESCHNER, CAUSTIC] };
 const CONSTRUCTION: Sweep = Sweep { map: Map::Global, vary: Vary::Photons, subjects: &[KD, LINEAR, TESCHNER, CAUSTIC] };
 
+type Value = fn(&Results, &Case) -> Option<f64>;
+
+/// A sweep over each map.
+fn of_maps(sweep: Sweep) -> [Sweep; 2] {
+    Map::ALL.map(|map| Sweep { map, ..sweep })
+}
+
+/// A plot for each map; claims are judged by the global one, of which the thesis speaks.
+fn charts(results: &Results, sweep: Sweep, name: &str, title: &str, axis: Axis, value: Value) -> [Chart; 2] {
+    of_maps(sweep).map(|sweep| {
+        let map = sweep.map.name();
+        sweep.chart(results, &format!("{name}-{map}"), &format!("{title}, {map} map"), axis, value)
+    })
+}
+
 pub(super) const FIG_17: Figure = Figure {
     id: "fig17",
     title: "Local memory accesses of the kd-tree's traversal",
     section: "5.3.1",
-    cases: |scope| recorded(&TREES, scope),
+    cases: |scope| recorded(TREES, scope),
     page: |results| {
-        let local = |results: &Results, case: &Case| results.store.value(&recording(case), "search_local/kd_radii");
+        let local: Value = |results, case| results.store.value(&recording(case), "search_local/kd_radii");
         let grows = || {
             let rise = rise(&TREES.thesis_points(results, KD, local))?;
             Some((
@@ -31,13 +46,15 @@ pub(super) const FIG_17: Figure = Figure {
             ))
         };
         Page {
-            charts: vec![TREES.chart(
+            charts: charts(
                 results,
+                TREES,
                 "local-accesses",
                 "Accesses to the stack of the kd-tree's traversal over map size",
                 Axis::Accesses,
                 local,
-            )],
+            )
+            .into(),
             claims: vec![Claim::judge(
                 "Local memory accesses of the traversal “become significantly more with a larger photon map size” (5.3.1)",
                 grows(),
@@ -52,10 +69,10 @@ pub(super) const FIG_26: Figure = Figure {
     id: "fig26",
     title: "Non-coalesced memory accesses",
     section: "5.3.4 and 5.1",
-    cases: |scope| [recorded(&SIZES, scope), recorded(&CONSTRUCTION, scope)].concat(),
+    cases: |scope| [recorded(SIZES, scope), recorded(CONSTRUCTION, scope)].concat(),
     page: |results| {
-        let search = |results: &Results, case: &Case| results.store.value(&recording(case), "search_excess_sectors");
-        let build = |results: &Results, case: &Case| results.store.value(&recording(case), "build_excess_sectors");
+        let search: Value = |results, case| results.store.value(&recording(case), "search_excess_sectors");
+        let build: Value = |results, case| results.store.value(&recording(case), "build_excess_sectors");
         let far = || {
             let of = |subject| SIZES.thesis_points(results, subject, search);
             let (kd, linear, teschner) = (of(KD), of(LINEAR), of(TESCHNER));
@@ -79,22 +96,18 @@ pub(super) const FIG_26: Figure = Figure {
             ))
         };
         Page {
-            charts: vec![
-                SIZES.chart(
-                    results,
-                    "uncoalesced-search",
-                    "Sectors beyond the fewest, search, over query size",
-                    Axis::Sectors,
-                    search,
-                ),
-                CONSTRUCTION.chart(
-                    results,
+            charts: [
+                (SIZES, "uncoalesced-search", "Sectors beyond the fewest, search, over query size", search),
+                (
+                    CONSTRUCTION,
                     "uncoalesced-construction",
                     "Sectors beyond the fewest, construction, over map size",
-                    Axis::Sectors,
                     build,
                 ),
-            ],
+            ]
+            .into_iter()
+            .flat_map(|(sweep, name, title, value)| charts(results, sweep, name, title, Axis::Sectors, value))
+            .collect(),
             claims: vec![
                 Claim::judge(
                     "“the kD-Tree technique suffers from a far higher … non-coalesced memory accesses than our spatial hashing approach” (5.3.4)",
@@ -118,8 +131,9 @@ fn recording(case: &Case) -> Case {
 }
 
 /// Recordings of a sweep, up to what a recorder can do in its time.
-fn recorded(sweep: &Sweep, scope: &Scope) -> Vec<Case> {
+fn recorded(sweep: Sweep, scope: &Scope) -> Vec<Case> {
     let (photons, queries) = if scope.quick { (50_000, 80_000) } else { (500_000, 800 * 600) };
     let affordable = |case: &Case| case.photons <= photons && case.queries() <= queries;
-    sweep.cases(scope).iter().map(recording).filter(affordable).collect()
+    let cases = of_maps(sweep).iter().flat_map(|sweep| sweep.cases(scope)).collect::<Vec<_>>();
+    cases.iter().map(recording).filter(affordable).collect()
 }

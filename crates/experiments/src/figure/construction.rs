@@ -6,10 +6,10 @@ use super::{Axis, Figure, Page, Results};
 use crate::case::{Case, Map};
 use crate::claim::{Claim, all};
 use crate::scope::Scope;
-use crate::subject::{BRUTE, CAUSTIC, JENSEN, KD, LINEAR, TESCHNER};
+use crate::subject::{BRUTE, CAUSTIC, CAUSTIC_MORTON, JENSEN, KD, LINEAR, TESCHNER};
 use caustic_bench::power;
 
-const SUBJECTS: &[&str] = &[BRUTE, JENSEN, KD, LINEAR, TESCHNER, CAUSTIC];
+const SUBJECTS: &[&str] = &[BRUTE, JENSEN, KD, LINEAR, TESCHNER, CAUSTIC, CAUSTIC_MORTON];
 const GLOBAL: Sweep = Sweep { map: Map::Global, vary: Vary::Photons, subjects: SUBJECTS };
 const CAUSTIC_MAP: Sweep = Sweep { map: Map::Caustic, ..GLOBAL };
 

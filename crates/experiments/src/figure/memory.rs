@@ -5,9 +5,9 @@ use super::{Axis, Chart, Figure, Line, Page, Results};
 use crate::case::{Case, Map};
 use crate::claim::{Claim, all};
 use crate::scope::Scope;
-use crate::subject::{CAUSTIC, JENSEN, KD, LINEAR, TESCHNER};
+use crate::subject::{CAUSTIC, CAUSTIC_MORTON, JENSEN, KD, LINEAR, TESCHNER};
 
-const SUBJECTS: &[&str] = &[JENSEN, KD, LINEAR, TESCHNER, CAUSTIC];
+const SUBJECTS: &[&str] = &[JENSEN, KD, LINEAR, TESCHNER, CAUSTIC, CAUSTIC_MORTON];
 const GLOBAL: Sweep = Sweep { map: Map::Global, vary: Vary::Photons, subjects: SUBJECTS };
 const CAUSTIC_MAP: Sweep = Sweep { map: Map::Caustic, ..GLOBAL };
 const NOTE: &str = "Bytes of buffers on the device beyond the photons as they were given (32 bytes each), which all techniques have alike.";

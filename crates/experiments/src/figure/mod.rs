@@ -69,6 +69,23 @@ pub enum Axis {
     Accesses,
 }
 
+impl Axis {
+    /// What it counts, with its unit.
+    #[must_use]
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Photons => "photons",
+            Self::K => "k, neighbours a query",
+            Self::Radius => "query radius, mm",
+            Self::Queries => "queries",
+            Self::Time => "time, ms",
+            Self::Bytes => "bytes",
+            Self::Sectors => "32-byte sectors beyond the fewest",
+            Self::Accesses => "loads and stores",
+        }
+    }
+}
+
 /// A plot.
 #[derive(Serialize)]
 pub struct Chart {

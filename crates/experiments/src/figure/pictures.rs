@@ -9,6 +9,8 @@ use crate::subject::{BRUTE, CAUSTIC, CELLS, JENSEN, KD, KD_NEAREST, LINEAR, TESC
 
 /// Who makes pictures; all are compared with the first.
 const SUBJECTS: &[&str] = &[BRUTE, JENSEN, KD, KD_NEAREST, LINEAR, TESCHNER, CELLS, CAUSTIC];
+/// Numbers of photons.
+const SIZES: &[u32] = &[10_000, 50_000];
 /// Whose pictures are shown, as in the thesis.
 const SHOWN: [&str; 2] = [LINEAR, KD];
 
@@ -32,16 +34,16 @@ pub(super) const FIG_29: Figure = Figure {
     id: "fig29",
     title: "Image quality, global photon map of 10,000 and 50,000 photons",
     section: "5.5",
-    cases: |scope| cases(scope, Map::Global, &[10_000, 50_000]),
-    page: |results| page(results, Map::Global, &[10_000, 50_000]),
+    cases: |scope| cases(scope, Map::Global, SIZES),
+    page: |results| page(results, Map::Global, SIZES),
 };
 
 pub(super) const FIG_30: Figure = Figure {
     id: "fig30",
-    title: "Image quality, caustic photon map of 10,000 photons",
+    title: "Image quality, caustic photon map of 10,000 and 50,000 photons",
     section: "5.5",
-    cases: |scope| cases(scope, Map::Caustic, &[10_000]),
-    page: |results| page(results, Map::Caustic, &[10_000]),
+    cases: |scope| cases(scope, Map::Caustic, SIZES),
+    page: |results| page(results, Map::Caustic, SIZES),
 };
 
 fn page(results: &Results, map: Map, sizes: &[u32]) -> Page {

@@ -2,7 +2,7 @@
 
 use super::Made;
 use crate::claim::{Claim, Verdict};
-use crate::figure::{Picture, Table};
+use crate::figure::{Axis, Picture, Table};
 use crate::store::Store;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -114,7 +114,8 @@ fn figure(page: &mut String, made: &Made) {
         let rows = chart.lines.iter().flat_map(|line| {
             line.points.iter().map(|(x, y)| vec![line.label.clone(), format!("{x}"), format!("{y:.5}")])
         });
-        let columns = ["technique", "x", "y"].map(str::to_string).into();
+        let [x, y] = chart.axes.map(Axis::description);
+        let columns = ["of", x, y].map(str::to_string).into();
         let title = format!("Numbers: {}", chart.title);
         table(page, &Table { title, columns, rows: rows.collect() }, true);
     }

@@ -30,7 +30,12 @@ pub struct Made {
 /// What the plotting library says.
 pub fn make(results: &Results, figures: &[&'static Figure]) -> Result<Vec<Made>, String> {
     let one = |figure: &&'static Figure| {
-        let page = (figure.page)(results);
+        let mut page = (figure.page)(results);
+        // An empty plot says nothing.
+        for chart in &mut page.charts {
+            chart.lines.retain(|line| !line.points.is_empty());
+        }
+        page.charts.retain(|chart| !chart.lines.is_empty());
         let svgs: Result<_, String> = page.charts.iter().map(svg).collect();
         let skipped = results.skipped(&(figure.cases)(&results.scope));
         Ok(Made { figure, page, svgs: svgs?, skipped })

@@ -39,8 +39,10 @@ fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Erro
         .build_cartesian_2d(horizontal.log_scale(), vertical.clone().log_scale())?;
     context
         .configure_mesh()
-        .x_desc(description(chart.axes[0]))
-        .y_desc(description(chart.axes[1]))
+        .x_desc(chart.axes[0].description())
+        .y_desc(chart.axes[1].description())
+        // As many as fit beside each other; of more, powers of ten alone are named.
+        .x_labels(14)
         .x_label_formatter(&|&x| number(chart.axes[0], x))
         .y_label_formatter(&|&y| number(chart.axes[1], y))
         .label_style(("sans-serif", 13))
@@ -66,19 +68,6 @@ fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Erro
     }
     root.present()?;
     Ok(())
-}
-
-fn description(axis: Axis) -> &'static str {
-    match axis {
-        Axis::Photons => "photons",
-        Axis::K => "k, neighbours a query",
-        Axis::Radius => "query radius, mm",
-        Axis::Queries => "queries",
-        Axis::Time => "time, ms",
-        Axis::Bytes => "bytes",
-        Axis::Sectors => "32-byte sectors beyond the fewest",
-        Axis::Accesses => "loads and stores",
-    }
 }
 
 /// A number on an axis, short.
