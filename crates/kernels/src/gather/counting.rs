@@ -67,7 +67,7 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for Collect {
         arrivals: &Input<Arrival>,
     ) {
         if is_before(distance2.to_bits(), slot, self.from, sites) {
-            self.power.add(arrivals, slot, self.wide);
+            self.power.add_at(arrivals, slot, self.wide);
         } else {
             self.last.add(slot);
         }
@@ -139,7 +139,7 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
         last = first;
         n += 1;
         if n < found.rank {
-            collect.power.add(arrivals, slot, collect.wide);
+            collect.power.add_at(arrivals, slot, collect.wide);
         }
     }
     let radius2 = if found.enough { f32::from_bits(last.bits) } else { grid.radius2 };

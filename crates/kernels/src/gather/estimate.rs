@@ -125,7 +125,7 @@ fn sum_power<S: Selection>(selection: &S, left_out: u32, arrivals: &Input<Arriva
     let mut n = 0;
     while n < selection.count() {
         if n != left_out {
-            power.add(arrivals, selection.slot(n), wide);
+            power.add_at(arrivals, selection.slot(n), wide);
         }
         n += 1;
     }

@@ -7,10 +7,10 @@ use crate::num::Limbs;
 /// Terms after which a sum has to [settle](Power::settle) at the latest.
 pub(super) const SETTLE_AFTER: u32 = 1 << 15;
 
-/// Where [`Power::value`] finds in the map's largest powers whether its photons have bits in [`Arrival::low`].
+/// Where [`Power::value`] finds in the map's largest powers whether its photons have bits in [`Arrival::low_parts`].
 const WIDE: usize = 3;
 
-/// Whether photons of a map have bits in [`Arrival::low`]: then [`Power::add`] has to read them.
+/// Whether photons of a map have bits in [`Arrival::low_parts`]: then [`Power::add_at`] has to read them.
 #[inline]
 pub(super) fn is_wide(power: &Input<u32>) -> bool {
     power[WIDE] != 0
@@ -34,11 +34,11 @@ impl Power {
 
     /// Adds the power of the photon at `slot`. Only if photons are `wide`, their lowest bits are read.
     #[inline]
-    pub(super) fn add(&mut self, arrivals: &Input<Arrival>, slot: u32, wide: bool) {
+    pub(super) fn add_at(&mut self, arrivals: &Input<Arrival>, slot: u32, wide: bool) {
         self.add_ahead(arrivals[slot as usize].ahead(), arrivals, slot, wide);
     }
 
-    /// [`Power::add`] of a photon of which the highest bits are already here.
+    /// [`Power::add_at`] of a photon of which the highest bits are already here.
     #[inline]
     pub(super) fn add_ahead(&mut self, ahead: Quad, arrivals: &Input<Arrival>, slot: u32, wide: bool) {
         self.add_high(ahead);
@@ -53,12 +53,12 @@ impl Power {
         let red = Limbs::of(photon.power[0], f32::from_bits(power[0]));
         let green = Limbs::of(photon.power[1], f32::from_bits(power[1]));
         let blue = Limbs::of(photon.power[2], f32::from_bits(power[2]));
-        self.add_arrival(Arrival::new(red.0, green.0, blue.0, 0, 0));
+        self.add(Arrival::new(red.0, green.0, blue.0, 0, 0));
     }
 
     /// Adds an arrival.
     #[inline]
-    pub(super) fn add_arrival(&mut self, arrival: Arrival) {
+    pub(super) fn add(&mut self, arrival: Arrival) {
         self.add_high(arrival.ahead());
         self.add_low(arrival.low_parts());
     }
@@ -172,7 +172,7 @@ mod tests {
             let power = [scale.to_bits(), scale.to_bits(), scale.to_bits(), u32::from(wide)];
             let (mut sum, mut above) = (Power::new(), [0; 3]);
             for slot in 0..count {
-                sum.add(&arrivals, slot, is_wide(&power));
+                sum.add_at(&arrivals, slot, is_wide(&power));
                 if (slot + 1) % SETTLE_AFTER == 0 {
                     let left = sum.settle();
                     above = [above[0] + left[0], above[1] + left[1], above[2] + left[2]];
@@ -192,7 +192,7 @@ mod tests {
         assert_eq!((arrivals[0].direction(), arrivals[0].primitive()), (7, 8));
         let mut sum = Power::new();
         for _ in 0..SETTLE_AFTER {
-            sum.add(&arrivals, 0, true);
+            sum.add_at(&arrivals, 0, true);
         }
         // 2¹⁵ times 2⁶⁶ − 1.
         let above = sum.settle();

@@ -166,9 +166,11 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
                 power.set(0, shared[0]);
                 power.set(1, shared[1]);
                 power.set(2, shared[2]);
-                let wide =
-                    is_wide(shared[0], shared[3]) || is_wide(shared[1], shared[4]) || is_wide(shared[2], shared[5]);
-                power.set(3, if wide { 1 } else { 0 });
+                // Not `||`: rust-gpu carries references through its branches.
+                power.set(
+                    3,
+                    low_bits(shared[0], shared[3]) | low_bits(shared[1], shared[4]) | low_bits(shared[2], shared[5]),
+                );
             }
         });
     }
@@ -264,10 +266,11 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
     });
 }
 
-/// Whether a power, given by [`rest`], has bits below the highest 42 of the 66 that begin with those of the largest.
+/// 1 if a power, given by [`rest`], has bits below the highest 42 of the 66 that begin with those of the largest.
 #[inline]
-fn is_wide(largest: u32, rest: u32) -> bool {
-    rest != 0 && (largest >> 23) - ((!rest) >> 23) > 18
+fn low_bits(largest: u32, rest: u32) -> u32 {
+    // Without any power the complement has the highest exponent.
+    u32::from((largest >> 23) as i32 - (!rest >> 23) as i32 > 18)
 }
 
 /// The first place whose key is not below `key`, by halves.
