@@ -123,13 +123,13 @@ macro_rules! entry_points {
             #[spirv(workgroup)] shared: &mut $shared,
             $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
         ) {
-            let subgroup_lanes = $lanes / subgroups;
-            let lane = subgroup * subgroup_lanes + invocation;
+            let subgroup_bits = (($lanes as u32) / subgroups).trailing_zeros();
+            let lane = (subgroup << subgroup_bits) + invocation;
             let registers = <$registers<{ (SORT_BLOCK / $lanes) as usize }>>::default();
             let mut lanes = SubgroupInvocation {
                 invocation: Invocation { lanes: $lanes, lane, registers },
                 subgroup,
-                subgroup_lanes,
+                subgroup_bits,
             };
             $module::$body(&mut lanes, group.y * groups.x + group.x, shared, $($arg),*);
         }

@@ -1,5 +1,6 @@
 //! Named buffers, and the ledger of what they take.
 
+use crate::cpu::Words;
 use crate::pool::{Pool, Storage};
 use std::collections::HashMap;
 use std::num::NonZeroU64;
@@ -47,7 +48,7 @@ impl Buffer {
         self.0.bytes
     }
 
-    pub(crate) fn on_cpu(&self) -> &RwLock<Vec<u32>> {
+    pub(crate) fn on_cpu(&self) -> &RwLock<Words> {
         self.0.storage.as_ref().and_then(|storage| storage.cpu.as_ref()).expect(ELSEWHERE)
     }
 

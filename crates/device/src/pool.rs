@@ -1,6 +1,6 @@
 //! What dropped buffers leave behind, for the next ones: a second frame takes the memory of the first.
 
-use crate::cpu::lock_write;
+use crate::cpu::{Words, lock_write};
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
 
@@ -8,8 +8,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
 pub(crate) struct Storage {
     /// Its size, bytes: one of [`size_class`].
     pub(crate) bytes: u64,
-    /// As many words as the buffer has; the capacity is the size.
-    pub(crate) cpu: Option<RwLock<Vec<u32>>>,
+    /// As many words as the buffer has, in memory of the size.
+    pub(crate) cpu: Option<RwLock<Words>>,
     pub(crate) gpu: Option<wgpu::Buffer>,
 }
 
@@ -17,7 +17,7 @@ impl Storage {
     /// Gives the words on the CPU the length that a buffer of `bytes` has. Nothing moves: it is at most the size.
     pub(crate) fn fit(&mut self, bytes: u64) {
         if let Some(memory) = &mut self.cpu {
-            lock_write(memory).resize((bytes / 4) as usize, 0);
+            lock_write(memory).resize((bytes / 4) as usize);
         }
     }
 }
@@ -155,7 +155,7 @@ mod tests {
 
     #[test]
     fn words_have_the_length_of_their_buffer() {
-        let mut recycled = Storage { bytes: 40, cpu: Some(RwLock::new(vec![7; 10])), gpu: None };
+        let mut recycled = Storage { bytes: 40, cpu: Words::zeroed(10).ok().map(RwLock::new), gpu: None };
         let start = recycled.cpu.as_ref().map(|memory| lock_write(memory).as_ptr());
         for words in [10, 9, 3, 8] {
             recycled.fit(4 * words);

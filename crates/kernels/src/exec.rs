@@ -87,15 +87,23 @@ pub const TURN_ITEMS: u32 = 8;
 pub trait Turns<R>: Lanes<R> {
     /// Number of lanes.
     fn lanes(&self) -> u32;
-    /// Lanes of a subgroup. Subgroup `s` has the lanes from `s` times this on.
-    fn subgroup_lanes(&self) -> u32;
+    /// Binary logarithm of the lanes of a subgroup: lane `l` is of subgroup `l >> subgroup_bits`.
+    fn subgroup_bits(&self) -> u32;
     /// As if the lanes of each subgroup took turns in their order, and that [`TURN_ITEMS`] times: for item `j` a lane chooses a
-    /// value below [`TURN_VALUES`], or that to sit out, and takes `counters[s · TURN_VALUES + value]`, which then goes up by one.
+    /// value below [`TURN_VALUES`] and takes `counters[s · TURN_VALUES + value]`, which then goes up by one.
     /// Afterwards the lanes of a subgroup see each other's counts; those of other subgroups only after the next [`Lanes::each`]
     /// began.
     fn take_turns<const N: usize, V: FnMut(u32, &mut R, u32) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
         &mut self,
         counters: &mut [u32; N],
+        value: V,
+        took: T,
+    );
+    /// As if the lanes of each subgroup added up in their order: a lane takes the sum of the values before its own, and its own. Shared
+    /// memory is read only.
+    fn running_sums<S: ?Sized, V: FnMut(u32, &mut R, &S) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
+        &mut self,
+        shared: &S,
         value: V,
         took: T,
     );
@@ -130,8 +138,8 @@ impl<R> Turns<R> for Invocation<R> {
     }
 
     #[inline]
-    fn subgroup_lanes(&self) -> u32 {
-        1
+    fn subgroup_bits(&self) -> u32 {
+        0
     }
 
     #[inline]
@@ -143,15 +151,23 @@ impl<R> Turns<R> for Invocation<R> {
     ) {
         let mut item = 0;
         while item < TURN_ITEMS {
-            let value = value(self.lane, &mut self.registers, item);
-            if value < TURN_VALUES {
-                let counter = (self.lane * TURN_VALUES + value) as usize;
-                let count = counters[counter];
-                counters[counter] = count + 1;
-                took(self.lane, &mut self.registers, item, count);
-            }
+            let counter = (self.lane * TURN_VALUES + value(self.lane, &mut self.registers, item)) as usize;
+            let count = counters[counter];
+            counters[counter] = count + 1;
+            took(self.lane, &mut self.registers, item, count);
             item += 1;
         }
+    }
+
+    #[inline]
+    fn running_sums<S: ?Sized, V: FnMut(u32, &mut R, &S) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
+        &mut self,
+        shared: &S,
+        mut value: V,
+        mut took: T,
+    ) {
+        let value = value(self.lane, &mut self.registers, shared);
+        took(self.lane, &mut self.registers, 0, value);
     }
 }
 
@@ -162,8 +178,8 @@ pub struct SubgroupInvocation<R> {
     pub invocation: Invocation<R>,
     /// Its subgroup.
     pub subgroup: u32,
-    /// Lanes of a subgroup.
-    pub subgroup_lanes: u32,
+    /// Binary logarithm of the lanes of a subgroup.
+    pub subgroup_bits: u32,
 }
 
 #[cfg(target_arch = "spirv")]
@@ -184,8 +200,8 @@ impl<R> Turns<R> for SubgroupInvocation<R> {
     }
 
     #[inline]
-    fn subgroup_lanes(&self) -> u32 {
-        self.subgroup_lanes
+    fn subgroup_bits(&self) -> u32 {
+        self.subgroup_bits
     }
 
     #[inline]
@@ -231,16 +247,27 @@ impl<R> Turns<R> for SubgroupInvocation<R> {
         took(lane, registers, 6, t6);
         took(lane, registers, 7, t7);
     }
+
+    #[inline]
+    fn running_sums<S: ?Sized, V: FnMut(u32, &mut R, &S) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
+        &mut self,
+        shared: &S,
+        mut value: V,
+        mut took: T,
+    ) {
+        let lane = self.invocation.lane;
+        let registers = &mut self.invocation.registers;
+        let value = value(lane, registers, shared);
+        took(lane, registers, spirv_std::arch::subgroup_exclusive_i_add(value), value);
+    }
 }
 
-/// How many lanes of the subgroup before this one have the same value, and how many in all; (0, 0) for those that sit out.
+/// How many lanes of the subgroup before this one have the same value, and how many in all.
 #[cfg(target_arch = "spirv")]
 #[inline]
 fn peers(value: u32) -> [u32; 2] {
-    use spirv_std::arch::{subgroup_ballot, subgroup_ballot_bit_count, subgroup_ballot_exclusive_bit_count};
-    let counts = value < TURN_VALUES;
-    let mut same = subgroup_ballot(counts);
-    same = same & same_bit(value, 1);
+    use spirv_std::arch::{subgroup_ballot_bit_count, subgroup_ballot_exclusive_bit_count};
+    let mut same = same_bit(value, 1);
     same = same & same_bit(value, 2);
     same = same & same_bit(value, 4);
     same = same & same_bit(value, 8);
@@ -248,7 +275,7 @@ fn peers(value: u32) -> [u32; 2] {
     same = same & same_bit(value, 32);
     same = same & same_bit(value, 64);
     same = same & same_bit(value, 128);
-    if counts { [subgroup_ballot_exclusive_bit_count(same), subgroup_ballot_bit_count(same)] } else { [0, 0] }
+    [subgroup_ballot_exclusive_bit_count(same), subgroup_ballot_bit_count(same)]
 }
 
 /// The lanes whose value has the same bit.
@@ -264,13 +291,11 @@ fn same_bit(value: u32, bit: u32) -> spirv_std::arch::SubgroupMask {
 #[cfg(target_arch = "spirv")]
 #[inline]
 fn turn<const N: usize>(counters: &mut [u32; N], table: u32, value: u32, [before, all]: [u32; 2]) -> u32 {
-    let mut count = 0;
-    if all > 0 {
-        count = counters[(table + value) as usize];
-    }
+    let counter = (table + value) as usize;
+    let count = counters[counter];
     subgroup_barrier();
-    if all > 0 && before == 0 {
-        counters[(table + value) as usize] = count + all;
+    if before == 0 {
+        counters[counter] = count + all;
     }
     subgroup_barrier();
     count + before
@@ -317,8 +342,8 @@ impl<R> Turns<R> for Workgroup<'_, R> {
     }
 
     #[inline]
-    fn subgroup_lanes(&self) -> u32 {
-        self.subgroup_lanes
+    fn subgroup_bits(&self) -> u32 {
+        self.subgroup_lanes.trailing_zeros()
     }
 
     #[inline]
@@ -331,13 +356,29 @@ impl<R> Turns<R> for Workgroup<'_, R> {
         for item in 0..TURN_ITEMS {
             for (lane, registers) in (0..).zip(self.registers.iter_mut()) {
                 let value = value(lane, registers, item);
-                if value < TURN_VALUES {
-                    let counter = &mut counters[(lane / self.subgroup_lanes * TURN_VALUES + value) as usize];
-                    let count = *counter;
-                    *counter = count + 1;
-                    took(lane, registers, item, count);
-                }
+                let counter = &mut counters[(lane / self.subgroup_lanes * TURN_VALUES + value) as usize];
+                let count = *counter;
+                *counter = count + 1;
+                took(lane, registers, item, count);
             }
+        }
+    }
+
+    #[inline]
+    fn running_sums<S: ?Sized, V: FnMut(u32, &mut R, &S) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
+        &mut self,
+        shared: &S,
+        mut value: V,
+        mut took: T,
+    ) {
+        let mut sum = 0;
+        for (lane, registers) in (0..).zip(self.registers.iter_mut()) {
+            if lane % self.subgroup_lanes == 0 {
+                sum = 0;
+            }
+            let value = value(lane, registers, shared);
+            took(lane, registers, sum, value);
+            sum += value;
         }
     }
 }

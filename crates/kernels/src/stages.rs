@@ -27,7 +27,7 @@ macro_rules! stages {
             lanes(BlockRegisters; NarrowCountShared) RadixCountPlain = radix_count_plain [16] (
                 0 pass: One RadixPass, 1 keys: In u32, 2 histogram: Out u32
             ) = sort::radix_count;
-            group([u32; 2]; [u32; 512]) ScanRows = scan_rows [256] (
+            group(ScanRegisters; ScanShared) ScanRows = scan_rows [256] (
                 0 params: One ScanParams, 1 input: In u32, 2 sums: Out u32, 3 totals: Out u32
             ) = sort::scan_rows;
             subgroups(BlockRegisters; ScatterShared) RadixScatter = radix_scatter [512] (
@@ -46,7 +46,7 @@ macro_rules! stages {
             lanes(GridRegisters; LargestShared) HashPhotons = hash_photons [256] (
                 0 grid: One Grid, 1 photons: In Photon, 2 keys: Out u32, 3 powers: Out u32
             ) = grid::hash_photons;
-            lanes(GridRegisters; LargestShared) CellBegins = cell_begins [256] (
+            lanes(GridRegisters; BeginsShared) CellBegins = cell_begins [256] (
                 0 grid: One Grid, 1 keys: In u32, 2 powers: In u32, 3 begins: Out u32, 4 power: Out u32
             ) = grid::cell_begins;
             batch(Moved) ReorderPhotons = reorder_photons [256] (
@@ -126,11 +126,11 @@ macro_rules! stages {
                 5 reaches: In Reach, 6 vertices: In Vertex, 7 primitives: In Primitive, 8 sites: In Site,
                 9 arrivals: In Arrival, 10 begins: In u32, 11 power: In u32, 12 irradiance: Out Irradiance
             ) = gather::gather_filtered[false, _];
-            columns(WideColumns) NeighboursHistogram = neighbours_histogram [64] (
+            columns(Columns) NeighboursHistogram = neighbours_histogram [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
             ) = gather::gather_neighbours_by_counting[true, _, _, _];
-            columns(WideColumns) NeighboursHistogramHashed = neighbours_histogram_hashed [64] (
+            columns(Columns) NeighboursHistogramHashed = neighbours_histogram_hashed [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
             ) = gather::gather_neighbours_by_counting[false, _, _, _];

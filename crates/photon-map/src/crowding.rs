@@ -1,6 +1,7 @@
 //! How wide cells should be, from a sample of the photons.
 
 use crate::MapOptions;
+use std::f64::consts::SQRT_2;
 
 /// Photons that a photon's cell should hold, its own included, on average over all photons: where fewer, a search visits more
 /// rows than it saves candidates, and where more, the other way round (measured on an H100: ARCHITECTURE.md).
@@ -32,16 +33,18 @@ pub(crate) fn cell_width(
         .step_by(stride)
         .map(|position| std::array::from_fn(|axis| f64::from(position[axis]) - f64::from(low[axis])))
         .collect();
+    // Widths fall by √2: every other one is a half.
+    let pairs = [longest, longest / SQRT_2].map(|width| pairs_by_halves(&sample, width));
     let all_pairs = sample.len() as f64 * (sample.len() - 1) as f64 / 2.0;
     let occupancy = |pairs: f64| pairs / all_pairs * photons as f64;
-    // Widths fall by √2; the occupancy of two steps, which is half the width, gives the slope.
+    // The occupancy of two steps, which is half the width, gives the slope.
     let mut steps = vec![(longest, all_pairs)];
     let mut few = false;
     loop {
-        let (width, pairs) = steps[steps.len() - 1];
-        let next = width / std::f64::consts::SQRT_2;
-        let next_pairs = pairs_in_cells(&sample, next);
-        if occupancy(pairs) <= OCCUPANCY || next < longest * 1e-6 {
+        let (width, found) = steps[steps.len() - 1];
+        let next = width / SQRT_2;
+        let next_pairs = pairs[steps.len() % 2][steps.len() / 2];
+        if occupancy(found) <= OCCUPANCY || next < longest * 1e-6 {
             break;
         }
         if next_pairs < PAIRS {
@@ -64,11 +67,36 @@ pub(crate) fn cell_width(
     width * (OCCUPANCY / occupancy(pairs)).powf(1.0 / slope.clamp(1.0, 3.0))
 }
 
-/// Pairs of positions in one cell.
-fn pairs_in_cells(sample: &[[f64; 3]], width: f64) -> f64 {
-    let mut cells: Vec<[u32; 3]> = sample.iter().map(|position| position.map(|x| (x / width) as u32)).collect();
-    cells.sort_unstable();
-    cells.chunk_by(|a, b| a == b).map(|cell| cell.len() as f64 * (cell.len() - 1) as f64 / 2.0).sum()
+/// Halvings of a width: below a millionth of the longest side, where it ends.
+const HALVINGS: u32 = 21;
+
+/// Pairs of positions in one cell, for cells of `width`, a half, a quarter and so on.
+///
+/// In the order of a curve through the cells of all these widths, those who share a cell are neighbours, and the highest bit in which
+/// two numbers on the curve differ says which cells they share (Morton 1966): one sort serves all widths.
+fn pairs_by_halves(sample: &[[f64; 3]], width: f64) -> Vec<f64> {
+    let finest = f64::from(1 << (HALVINGS - 1)) / width;
+    let mut places: Vec<u64> =
+        sample.iter().map(|position| interleave(position.map(|x| (x * finest) as u64))).collect();
+    places.sort_unstable();
+    let of_level = |level: u32| {
+        let cells = places.chunk_by(|a, b| (a ^ b) >> (3 * (HALVINGS - 1 - level)) == 0);
+        cells.map(|cell| cell.len() as f64 * (cell.len() - 1) as f64 / 2.0).sum()
+    };
+    (0..HALVINGS).map(of_level).collect()
+}
+
+/// The lowest 21 bits of x, y and z in turns.
+fn interleave(cell: [u64; 3]) -> u64 {
+    let spread = |x: u64| {
+        let x = x & 0x1f_ffff;
+        let x = (x | (x << 32)) & 0x001f_0000_0000_ffff;
+        let x = (x | (x << 16)) & 0x001f_0000_ff00_00ff;
+        let x = (x | (x << 8)) & 0x100f_00f0_0f00_f00f;
+        let x = (x | (x << 4)) & 0x10c3_0c30_c30c_30c3;
+        (x | (x << 2)) & 0x1249_2492_4924_9249
+    };
+    spread(cell[0]) | (spread(cell[1]) << 1) | (spread(cell[2]) << 2)
 }
 
 #[cfg(test)]
@@ -76,6 +104,29 @@ mod tests {
     use super::*;
     use crate::Hash;
     use caustic_kernels::num::pcg4d;
+
+    /// Pairs of positions in one cell, by sorting the cells.
+    fn pairs_in_cells(sample: &[[f64; 3]], width: f64) -> f64 {
+        let mut cells: Vec<[u32; 3]> = sample.iter().map(|position| position.map(|x| (x / width) as u32)).collect();
+        cells.sort_unstable();
+        cells.chunk_by(|a, b| a == b).map(|cell| cell.len() as f64 * (cell.len() - 1) as f64 / 2.0).sum()
+    }
+
+    #[test]
+    fn one_sort_counts_the_pairs_of_all_widths() {
+        // From the whole, 3 m, down to cells of 3 µm; a third of the places twice.
+        let places: Vec<[f64; 3]> = (0..1000u32)
+            .map(|i| pcg4d([i % 700, 1, 2, 3]))
+            .map(|r| [0, 1, 2].map(|axis| f64::from(r[axis]) / 4_294_967_296.0 * 3.0))
+            .collect();
+        for width in [3.0, 3.0 / SQRT_2] {
+            let pairs = pairs_by_halves(&places, width);
+            for (halvings, &found) in (0..).zip(&pairs) {
+                assert_eq!(found, pairs_in_cells(&places, width / f64::from(1 << halvings)), "{width} {halvings}");
+            }
+            assert!(pairs[0] > 30_000.0 && pairs[20] == 300.0, "{pairs:?}");
+        }
+    }
 
     /// Photons in space, on a floor, in a crowd: cells hold about as many as they should.
     #[test]

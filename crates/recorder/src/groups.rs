@@ -98,8 +98,8 @@ impl<R> Turns<R> for Recorded<'_, '_, R> {
         self.registers.len() as u32
     }
 
-    fn subgroup_lanes(&self) -> u32 {
-        self.subgroup_lanes
+    fn subgroup_bits(&self) -> u32 {
+        self.subgroup_lanes.trailing_zeros()
     }
 
     fn take_turns<const N: usize, V: FnMut(u32, &mut R, u32) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
@@ -113,14 +113,32 @@ impl<R> Turns<R> for Recorded<'_, '_, R> {
             for (lane, registers) in (0..).zip(self.registers.iter_mut()) {
                 sink::set_lane(lane);
                 let value = value(lane, registers, item);
-                if value < TURN_VALUES {
-                    let counter = &mut counters[(lane / self.subgroup_lanes * TURN_VALUES + value) as usize];
-                    let count = *counter;
-                    *counter = count + 1;
-                    took(lane, registers, item, count);
-                }
+                let counter = &mut counters[(lane / self.subgroup_lanes * TURN_VALUES + value) as usize];
+                let count = *counter;
+                *counter = count + 1;
+                took(lane, registers, item, count);
             }
             self.tally.settle();
         }
+    }
+
+    fn running_sums<S: ?Sized, V: FnMut(u32, &mut R, &S) -> u32, T: FnMut(u32, &mut R, u32, u32)>(
+        &mut self,
+        shared: &S,
+        mut value: V,
+        mut took: T,
+    ) {
+        self.tally.settle();
+        let mut sum = 0;
+        for (lane, registers) in (0..).zip(self.registers.iter_mut()) {
+            sink::set_lane(lane);
+            if lane % self.subgroup_lanes == 0 {
+                sum = 0;
+            }
+            let value = value(lane, registers, shared);
+            took(lane, registers, sum, value);
+            sum += value;
+        }
+        self.tally.settle();
     }
 }

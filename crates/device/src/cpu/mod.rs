@@ -3,11 +3,13 @@
 mod groups;
 mod observer;
 mod shared;
+mod words;
 
 pub(crate) use groups::Groups;
 pub use groups::LaneOrder;
 pub use observer::{Observed, Observer};
 pub(crate) use shared::Bound;
+pub(crate) use words::Words;
 
 use crate::error::flag_of;
 use crate::kernel::Access;
@@ -36,17 +38,17 @@ fn available_bytes() -> Option<u64> {
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
-pub(crate) fn lock_read(memory: &RwLock<Vec<u32>>) -> RwLockReadGuard<'_, Vec<u32>> {
+pub(crate) fn lock_read(memory: &RwLock<Words>) -> RwLockReadGuard<'_, Words> {
     memory.read().unwrap_or_else(PoisonError::into_inner)
 }
 
-pub(crate) fn lock_write(memory: &RwLock<Vec<u32>>) -> RwLockWriteGuard<'_, Vec<u32>> {
+pub(crate) fn lock_write(memory: &RwLock<Words>) -> RwLockWriteGuard<'_, Words> {
     memory.write().unwrap_or_else(PoisonError::into_inner)
 }
 
 enum Guard<'a> {
-    Read(RwLockReadGuard<'a, Vec<u32>>),
-    Write(RwLockWriteGuard<'a, Vec<u32>>),
+    Read(RwLockReadGuard<'a, Words>),
+    Write(RwLockWriteGuard<'a, Words>),
 }
 
 impl Cpu {
@@ -55,7 +57,7 @@ impl Cpu {
     }
 
     /// Zeroed memory for a buffer.
-    pub(crate) fn allocate(&self, name: &str, bytes: u64) -> Result<RwLock<Vec<u32>>> {
+    pub(crate) fn allocate(&self, name: &str, bytes: u64) -> Result<RwLock<Words>> {
         let out_of_memory = || Error::OutOfMemory {
             buffer: name.to_string(),
             device: "the CPU".to_string(),
@@ -68,12 +70,9 @@ impl Cpu {
             return Err(out_of_memory());
         }
         let words = usize::try_from(bytes / 4).map_err(|_| out_of_memory())?;
-        let mut probe = Vec::<u32>::new();
-        probe.try_reserve_exact(words).map_err(|_| out_of_memory())?;
-        drop(probe);
-        // Zeroed pages come from the operating system untouched, which a resize of the probe would not.
+        let memory = Words::zeroed(words).map_err(|_| out_of_memory())?;
         self.allocations.fetch_add(1, Relaxed);
-        Ok(RwLock::new(vec![0; words]))
+        Ok(RwLock::new(memory))
     }
 
     /// How often memory was asked of the system.
@@ -137,7 +136,7 @@ impl Cpu {
 fn show(step: &Step, observer: &dyn Observer) {
     if let Step::Run { stage, kernel, groups, buffers } = step {
         let guards: Vec<_> = buffers.iter().map(|buffer| lock_read(buffer.on_cpu())).collect();
-        let words: Vec<&[u32]> = guards.iter().map(|guard| guard.as_slice()).collect();
+        let words: Vec<&[u32]> = guards.iter().map(|guard| &guard[..]).collect();
         observer.observe(&Observed { stage, kernel: *kernel, groups: *groups, buffers: &words });
     }
 }

@@ -1,17 +1,20 @@
 //! The estimate without a container: counting finds which photons are the nearest, then their power is summed.
 //!
-//! Candidates are counted by squared distance in a few bins ([`find`]); what the bin with the (k + 1)-th holds is listed in a second
-//! walk, which also sums what is nearer. Two walks through the cells cost less than a container of hundreds of photons in a GPU's
-//! memory, and any k is served by the same kernel. The result has the bits that the containers give.
+//! Candidates are counted by squared distance in a few bins ([`find`]) and remembered ([`Seen`]); of those, what the bin with the (k + 1)-th
+//! holds is listed, and what is nearer is summed. Where they are too many to remember, a second walk through the cells finds them
+//! again: that still costs less than a container of hundreds of photons in a GPU's memory, and any k is served by the same
+//! kernel. The result has the bits that the containers give.
 //!
 //! Source: selection by distribution counting (Alabi et al., "Fast k-Selection Algorithms for Graphics Processing Units",
 //! 2012), here over cells that are walked again and not over a list.
 
-use super::bins::{Columns, WORDS, at};
+use super::bins::Columns;
 use super::estimate::over_disc;
 use super::kth::find;
-use super::power::Power;
-use super::{CUT_SHORT, Candidates, GatherParams, distance2, search};
+use super::last::Last;
+use super::power::{Power, is_wide};
+use super::seen::Seen;
+use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
 use crate::layout::{Arrival, Irradiance, Query, Site};
@@ -38,14 +41,14 @@ pub(super) fn is_before(bits: u32, slot: u32, place: Place, sites: &Input<Site>)
 
 /// Sums the power of the candidates before a place, and lists those from there on up to an end.
 struct Collect {
-    lane: u32,
     from: Place,
     end: u32,
     power: Power,
-    len: u32,
+    wide: bool,
+    last: Last,
 }
 
-impl<const N: usize, O: ?Sized> Candidates<[u32; N], Input<Arrival>, O> for Collect {
+impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for Collect {
     const SHORT: bool = true;
 
     #[inline]
@@ -56,7 +59,7 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], Input<Arrival>, O> for Coll
     #[inline]
     fn offer(
         &mut self,
-        memory: &mut [u32; N],
+        _memory: &mut M,
         _output: &mut O,
         distance2: f32,
         slot: u32,
@@ -64,42 +67,11 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], Input<Arrival>, O> for Coll
         arrivals: &Input<Arrival>,
     ) {
         if is_before(distance2.to_bits(), slot, self.from, sites) {
-            self.power.add(arrivals[slot as usize]);
-        } else if self.len < WORDS {
-            memory[at(self.len, self.lane)] = slot;
-            self.len += 1;
+            self.power.add_at(arrivals, slot, self.wide);
+        } else {
+            self.last.add(slot);
         }
     }
-}
-
-/// The first in order of the `len` candidates that are listed in a lane's column from `word` on; it is taken out by putting the
-/// last in its place.
-#[inline]
-pub(super) fn take_first<const N: usize>(
-    memory: &mut [u32; N],
-    lane: u32,
-    word: u32,
-    len: u32,
-    position: [f32; 3],
-    sites: &Input<Site>,
-) -> (Place, u32) {
-    let mut first = Place::ALL;
-    let mut slot = 0;
-    let mut n = word;
-    let mut taken = word;
-    while n < word + len {
-        let other = memory[at(n, lane)];
-        let site = sites[other as usize];
-        let bits = distance2(position, site.position()).to_bits();
-        if bits < first.bits || (bits == first.bits && site.photon() < first.index) {
-            first = Place { bits, index: site.photon() };
-            slot = other;
-            taken = n;
-        }
-        n += 1;
-    }
-    memory[at(taken, lane)] = memory[at(word + len - 1, lane)];
-    (first, slot)
 }
 
 /// Irradiance at the `i`-th query: [`gather_irradiance`](super::gather_irradiance) without a container.
@@ -129,27 +101,45 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
         return;
     }
     let position = query.position;
-    let found = find::<LINEAR, _, _>(lane, memory, position, params.k + 1, params, grid, rows, sites, arrivals, begins);
+    let mut seen = Seen::new();
+    let found = find::<LINEAR, _, _>(
+        lane,
+        memory,
+        position,
+        params.k + 1,
+        params,
+        grid,
+        rows,
+        sites,
+        arrivals,
+        begins,
+        &mut seen,
+    );
     let counted = if found.enough { params.k } else { found.before };
     let mut collect = Collect {
-        lane,
         from: if found.enough { Place { bits: found.bins.first, index: found.index } } else { Place::ALL },
         end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
         power: Power::new(),
-        len: 0,
+        wide: is_wide(power),
+        last: Last::new(),
     };
-    let whole =
-        search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect)
-            && found.whole;
+    let mut whole = found.whole;
+    if seen.is_whole() {
+        seen.offer(position, sites, arrivals, memory, &mut (), &mut collect);
+    } else {
+        whole =
+            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect)
+                && whole;
+    }
     // Those of the list up to the last, which the disc reaches to.
     let mut last = collect.from;
     let mut n = 0;
-    while n < found.rank && n < collect.len {
-        let (first, slot) = take_first(memory, lane, 0, collect.len - n, position, sites);
+    while n < found.rank && collect.last.len > 0 {
+        let (first, slot) = collect.last.take_first(position, sites);
         last = first;
         n += 1;
         if n < found.rank {
-            collect.power.add(arrivals[slot as usize]);
+            collect.power.add_at(arrivals, slot, collect.wide);
         }
     }
     let radius2 = if found.enough { f32::from_bits(last.bits) } else { grid.radius2 };

@@ -5,7 +5,9 @@
 //! was enough. Everything is compared as integers: the bits of positive floats are in the order of the floats.
 #![allow(clippy::implicit_saturating_sub)] // rust-gpu 0.10 cannot compile `saturating_sub`
 
-use super::bins::{BINS, Bins, COLUMN_LANES, WORDS, bin_of, clear, count, count_of};
+use super::bins::{BINS, Bins, bin_of, clear, count, count_of};
+use super::last::MOST;
+use super::seen::Seen;
 use super::{Candidates, GatherParams, search};
 use crate::exec::Input;
 use crate::grid::{Grid, MAX_REACH, Row, cell_of, linear};
@@ -33,7 +35,7 @@ impl ByDistance {
     }
 }
 
-impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByDistance {
+impl<const N: usize, A: ?Sized> Candidates<[u32; N], A, Seen> for ByDistance {
     const SHORT: bool = true;
 
     #[inline]
@@ -45,40 +47,40 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByDist
     fn offer(
         &mut self,
         memory: &mut [u32; N],
-        _output: &mut O,
+        seen: &mut Seen,
         distance2: f32,
-        _slot: u32,
+        slot: u32,
         _sites: &Input<Site>,
         _arrivals: &A,
     ) {
+        seen.add(slot);
         let bits = distance2.to_bits();
         if bits < self.bins.first {
             self.nearer += 1;
             self.within += 1;
         } else {
-            self.within += count(memory, self.lane, 0, (bits - self.bins.first) >> self.bins.shift);
+            self.within += count(memory, self.lane, (bits - self.bins.first) >> self.bins.shift);
         }
     }
 
     /// Leaves out what is farther than enough others.
     #[inline]
     fn settle(&mut self, memory: &mut [u32; N]) {
-        let mut far = count_of(memory, self.lane, 0, self.top);
+        let mut far = count_of(memory, self.lane, self.top);
         let mut falls = self.top > 0 && self.within - far >= self.wanted;
         while falls {
             self.within -= far;
             self.top -= 1;
             self.bound = f32::from_bits(self.bins.first + ((self.top + 1) << self.bins.shift) - 1);
-            far = count_of(memory, self.lane, 0, self.top);
+            far = count_of(memory, self.lane, self.top);
             falls = self.top > 0 && self.within - far >= self.wanted;
         }
     }
 }
 
-/// Counts the candidates of one distance by their index, from word `from` of the lane's column on.
+/// Counts the candidates of one distance by their index, in the lane's column.
 struct ByIndex {
     lane: u32,
-    from: u32,
     bins: Bins,
     bits: u32,
 }
@@ -104,7 +106,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
         if distance2.to_bits() == self.bits {
             let index = sites[slot as usize].photon();
             if index >= self.bins.first && index < self.bins.end {
-                count(memory, self.lane, self.from, (index - self.bins.first) >> self.bins.shift);
+                count(memory, self.lane, (index - self.bins.first) >> self.bins.shift);
             }
         }
     }
@@ -172,7 +174,8 @@ pub(super) struct Found {
     pub(super) index: u32,
 }
 
-/// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`WORDS`] candidates can finish.
+/// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`MOST`] candidates can finish. `seen` remembers all
+/// candidates up to there.
 #[inline]
 pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     lane: u32,
@@ -185,6 +188,7 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     sites: &Input<Site>,
     arrivals: &A,
     begins: &Input<u32>,
+    seen: &mut Seen,
 ) -> Found {
     let last = grid.radius2.to_bits() + 1;
     let mut bins = Bins::below(guess::<LINEAR>(position, params, grid, rows, begins));
@@ -194,10 +198,11 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     let mut grown = false;
     let mut searching = true;
     while searching {
-        clear(memory, lane, 0);
+        clear(memory, lane);
+        seen.clear();
         let mut count = ByDistance::new(lane, bins, wanted);
         found.whole =
-            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count)
+            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, seen, &mut count)
                 && found.whole;
         found.counted = bins;
         if count.nearer >= wanted {
@@ -205,12 +210,12 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
             bins = if missed { Bins::all_below(bins.first) } else { Bins::below(bins.first) };
             missed = true;
         } else {
-            let (bin, before, inside) = bin_of(memory, lane, 0, wanted - count.nearer);
+            let (bin, before, inside) = bin_of(memory, lane, wanted - count.nearer);
             found.nearer = count.nearer;
             found.before = count.nearer + before;
             if bin < BINS {
                 found.rank = wanted - found.before;
-                crowded = inside > WORDS;
+                crowded = inside > MOST;
                 searching = crowded && bins.shift > 0;
                 bins = bins.inside(bin);
             } else if bins.end >= last {
@@ -228,17 +233,16 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     }
     found.bins = bins;
 
-    // Too many at one distance: their indices decide. Whoever has more memory may still need the counts of distances.
-    let from = if N >= (2 * WORDS * COLUMN_LANES) as usize { WORDS } else { 0 };
+    // Too many at one distance: their indices decide.
     let mut indices = Bins { first: 0, end: 0xffff_ffff, shift: 27 };
     searching = found.enough && crowded && found.whole;
     while searching {
-        clear(memory, lane, from);
-        let mut count = ByIndex { lane, from, bins: indices, bits: bins.first };
+        clear(memory, lane);
+        let mut count = ByIndex { lane, bins: indices, bits: bins.first };
         found.whole =
             search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count)
                 && found.whole;
-        let (bin, before, _) = bin_of(memory, lane, from, found.rank);
+        let (bin, before, _) = bin_of(memory, lane, found.rank);
         found.rank -= before;
         found.before += before;
         found.index = indices.first + (bin << indices.shift);
@@ -249,4 +253,26 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
         }
     }
     found
+}
+
+/// Counts candidates by distance once more, as [`find`] did last: into the memory that the count of indices took. Returns whether the walk
+/// came to its end.
+#[inline]
+pub(super) fn recount<const LINEAR: bool, const N: usize, A: ?Sized>(
+    lane: u32,
+    memory: &mut [u32; N],
+    position: [f32; 3],
+    bins: Bins,
+    grid: &Grid,
+    rows: &Input<Row>,
+    sites: &Input<Site>,
+    arrivals: &A,
+    begins: &Input<u32>,
+    seen: &mut Seen,
+) -> bool {
+    clear(memory, lane);
+    seen.clear();
+    // None is left out: as many are wanted as cannot be.
+    let mut count = ByDistance::new(lane, bins, 0xffff_ffff);
+    search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, seen, &mut count)
 }

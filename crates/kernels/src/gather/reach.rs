@@ -1,8 +1,10 @@
 //! How far the k nearest photons are, without what they bring.
 
-use super::bins::{Columns, WORDS, at};
-use super::counting::{Place, is_before, take_first};
+use super::bins::Columns;
+use super::counting::{Place, is_before};
 use super::kth::find;
+use super::last::Last;
+use super::seen::Seen;
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
@@ -26,13 +28,12 @@ pub(super) const ALL_COUNT: u32 = 0xffff_ffff;
 
 /// Lists the candidates from a place on up to an end.
 struct List {
-    lane: u32,
     from: Place,
     end: u32,
-    len: u32,
+    last: Last,
 }
 
-impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for List {
+impl<M: ?Sized, A: ?Sized, O: ?Sized> Candidates<M, A, O> for List {
     const SHORT: bool = true;
 
     #[inline]
@@ -43,16 +44,15 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for List {
     #[inline]
     fn offer(
         &mut self,
-        memory: &mut [u32; N],
+        _memory: &mut M,
         _output: &mut O,
         distance2: f32,
         slot: u32,
         sites: &Input<Site>,
         _arrivals: &A,
     ) {
-        if !is_before(distance2.to_bits(), slot, self.from, sites) && self.len < WORDS {
-            memory[at(self.len, self.lane)] = slot;
-            self.len += 1;
+        if !is_before(distance2.to_bits(), slot, self.from, sites) {
+            self.last.add(slot);
         }
     }
 }
@@ -81,21 +81,38 @@ pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
     let mut reach = Reach { radius2: grid.radius2, photon: ALL_COUNT, photons: 0 };
     if query.active != 0 {
         let position = query.position;
-        let found =
-            find::<LINEAR, _, _>(lane, memory, position, params.k + 1, params, grid, rows, sites, sites, begins);
+        let mut seen = Seen::new();
+        let found = find::<LINEAR, _, _>(
+            lane,
+            memory,
+            position,
+            params.k + 1,
+            params,
+            grid,
+            rows,
+            sites,
+            sites,
+            begins,
+            &mut seen,
+        );
         let mut whole = found.whole;
         reach.photons = found.before;
         if found.enough {
             reach.photons = params.k;
             let from = Place { bits: found.bins.first, index: found.index };
-            let mut list = List { lane, from, end: found.bins.end, len: 0 };
+            let mut list = List { from, end: found.bins.end, last: Last::new() };
             let output = &mut ();
-            whole = search::<LINEAR, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, output, &mut list)
-                && whole;
+            if seen.is_whole() {
+                seen.offer(position, sites, sites, memory, output, &mut list);
+            } else {
+                whole =
+                    search::<LINEAR, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, output, &mut list)
+                        && whole;
+            }
             let mut last = from;
             let mut n = 0;
-            while n < found.rank && n < list.len {
-                (last, _) = take_first(memory, lane, 0, list.len - n, position, sites);
+            while n < found.rank && list.last.len > 0 {
+                (last, _) = list.last.take_first(position, sites);
                 n += 1;
             }
             reach.radius2 = f32::from_bits(last.bits);

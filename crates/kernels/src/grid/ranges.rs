@@ -8,17 +8,34 @@ use crate::num::Limbs;
 /// Photons or table entries that one workgroup handles.
 pub const GRID_BLOCK: u32 = crate::sort::SORT_BLOCK;
 
+/// Numbers of a block of photons: the bits of its largest power in each channel, and the complement of those of its least that is not
+/// zero. The largest of both are those of all photons.
+pub const BLOCK_POWERS: u32 = 6;
 /// Shared memory of a workgroup that looks for the largest of its numbers.
-pub type LargestShared = [u32; 768];
+pub type LargestShared = [u32; 1536];
+
+/// Table entries that one workgroup handles.
+pub const BEGINS_BLOCK: u32 = 1024;
+/// Most keys of these entries that are looked at one by one. Where photons crowd, each entry's begin is searched for.
+const MOST_KEYS: u32 = 1 << 14;
+/// An entry without a key.
+const NO_KEY: u32 = 0xffff_ffff;
+/// Shared memory of a workgroup that finds begins: the entries' own, …
+pub type BeginsShared = [u32; 1538];
+/// … two copies of the lanes' least, …
+const LANE_PLACES: u32 = BEGINS_BLOCK;
+/// … and the limits of their keys.
+const LOW: usize = 1536;
+const HIGH: usize = 1537;
 
 /// Registers of a lane that handles `N` items.
 #[derive(Clone, Copy, Default)]
 pub struct GridRegisters<const N: usize> {
-    largest: [u32; 3],
+    largest: [u32; BLOCK_POWERS as usize],
 }
 
-/// The unsorted list of hash values, and the largest power in each block and channel, as bits: those of floats that are not
-/// negative are in the order of the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
+/// The unsorted list of hash values, and the [`BLOCK_POWERS`] of each block: the bits of floats that are not negative are in the order of
+/// the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
 #[inline]
 pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + ?Sized, P: Store<u32> + ?Sized>(
     lanes: &mut L,
@@ -35,7 +52,7 @@ pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + 
     }
     let count = lanes.lanes();
     lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
-        r.largest = [0; 3];
+        r.largest = [0; BLOCK_POWERS as usize];
         let mut item = 0;
         while item < N as u32 {
             let i = first + item * count + lane;
@@ -43,7 +60,8 @@ pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + 
                 let photon = photons[i as usize];
                 keys.set(i, hash_cell(grid, cell_of(grid, photon.position)));
                 let power = photon.power;
-                r.largest = larger(r.largest, [power[0].to_bits(), power[1].to_bits(), power[2].to_bits()]);
+                let [red, green, blue] = [power[0].to_bits(), power[1].to_bits(), power[2].to_bits()];
+                r.largest = larger(r.largest, [red, green, blue, rest(red), rest(green), rest(blue)]);
             }
             item += 1;
         }
@@ -52,40 +70,50 @@ pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + 
     largest(lanes, shared);
     lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
         if lane == 0 {
-            powers.set(3 * group, shared[0]);
-            powers.set(3 * group + 1, shared[1]);
-            powers.set(3 * group + 2, shared[2]);
+            let mut n = 0;
+            while n < BLOCK_POWERS {
+                powers.set(BLOCK_POWERS * group + n, shared[n as usize]);
+                n += 1;
+            }
         }
     });
 }
 
+/// The complement of the bits of a power that counts; subnormal ones do not.
 #[inline]
-fn larger(a: [u32; 3], b: [u32; 3]) -> [u32; 3] {
-    [
-        if a[0] < b[0] { b[0] } else { a[0] },
-        if a[1] < b[1] { b[1] } else { a[1] },
-        if a[2] < b[2] { b[2] } else { a[2] },
-    ]
+fn rest(power: u32) -> u32 {
+    if power >> 23 == 0 { 0 } else { !power }
 }
 
 #[inline]
-fn put(shared: &mut LargestShared, lane: u32, numbers: [u32; 3]) {
-    shared[(3 * lane) as usize] = numbers[0];
-    shared[(3 * lane + 1) as usize] = numbers[1];
-    shared[(3 * lane + 2) as usize] = numbers[2];
+fn larger(a: [u32; 6], b: [u32; 6]) -> [u32; 6] {
+    let of = |a: u32, b: u32| if a < b { b } else { a };
+    [of(a[0], b[0]), of(a[1], b[1]), of(a[2], b[2]), of(a[3], b[3]), of(a[4], b[4]), of(a[5], b[5])]
 }
 
 #[inline]
-fn get(shared: &LargestShared, lane: u32) -> [u32; 3] {
-    [shared[(3 * lane) as usize], shared[(3 * lane + 1) as usize], shared[(3 * lane + 2) as usize]]
+fn put<const W: usize>(shared: &mut [u32; W], lane: u32, numbers: [u32; 6]) {
+    let first = (BLOCK_POWERS * lane) as usize;
+    shared[first] = numbers[0];
+    shared[first + 1] = numbers[1];
+    shared[first + 2] = numbers[2];
+    shared[first + 3] = numbers[3];
+    shared[first + 4] = numbers[4];
+    shared[first + 5] = numbers[5];
+}
+
+#[inline]
+fn get<const W: usize>(shared: &[u32; W], lane: u32) -> [u32; 6] {
+    let first = (BLOCK_POWERS * lane) as usize;
+    [shared[first], shared[first + 1], shared[first + 2], shared[first + 3], shared[first + 4], shared[first + 5]]
 }
 
 /// Leaves the largest of the lanes' numbers at the beginning of `shared`.
 #[inline]
-fn largest<const N: usize, L: Turns<GridRegisters<N>>>(lanes: &mut L, shared: &mut LargestShared) {
+fn largest<const N: usize, const W: usize, L: Turns<GridRegisters<N>>>(lanes: &mut L, shared: &mut [u32; W]) {
     let mut half = lanes.lanes() / 2;
     while half > 0 {
-        lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
+        lanes.each(shared, move |lane, _, shared: &mut [u32; W]| {
             if lane < half {
                 let numbers = larger(get(shared, lane), get(shared, lane + half));
                 put(shared, lane, numbers);
@@ -98,12 +126,12 @@ fn largest<const N: usize, L: Turns<GridRegisters<N>>>(lanes: &mut L, shared: &m
 /// Where each table entry begins in the sorted list: the first place whose key is not below it. An entry ends where the next
 /// begins, neighbouring entries are one run, and entries without photons need no clearing. There is one begin more than entries.
 ///
-/// The first workgroup also finds the largest of all `powers` in each channel.
+/// The first workgroup also finds the largest of all `powers` in each channel, and whether any has bits in [`Arrival::low_parts`].
 #[inline]
 pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?Sized, P: Store<u32> + ?Sized>(
     lanes: &mut L,
     group: u32,
-    shared: &mut LargestShared,
+    shared: &mut BeginsShared,
     grid: &Grid,
     keys: &Input<u32>,
     powers: &Input<u32>,
@@ -112,35 +140,153 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
 ) {
     let count = lanes.lanes();
     if group == 0 {
-        lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
-            r.largest = [0; 3];
+        lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut BeginsShared| {
+            r.largest = [0; BLOCK_POWERS as usize];
             let mut block = lane;
             while block * GRID_BLOCK < grid.photons {
-                let first = (3 * block) as usize;
-                r.largest = larger(r.largest, [powers[first], powers[first + 1], powers[first + 2]]);
+                let first = (BLOCK_POWERS * block) as usize;
+                r.largest = larger(
+                    r.largest,
+                    [
+                        powers[first],
+                        powers[first + 1],
+                        powers[first + 2],
+                        powers[first + 3],
+                        powers[first + 4],
+                        powers[first + 5],
+                    ],
+                );
                 block += count;
             }
             put(shared, lane, r.largest);
         });
         largest(lanes, shared);
-        lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
+        lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
             if lane == 0 {
                 power.set(0, shared[0]);
                 power.set(1, shared[1]);
                 power.set(2, shared[2]);
+                // Not `||`: rust-gpu carries references through its branches.
+                power.set(
+                    3,
+                    low_bits(shared[0], shared[3]) | low_bits(shared[1], shared[4]) | low_bits(shared[2], shared[5]),
+                );
             }
         });
     }
-    lanes.each(shared, move |lane, _, _: &mut LargestShared| {
-        let mut entry = group * GRID_BLOCK + lane * N as u32;
-        let end = entry + N as u32;
-        let mut place = 0;
-        while entry < end && entry <= grid.table {
-            place = first_from(keys, place, grid.photons, entry);
-            begins.set(entry, place);
-            entry += 1;
+    let first = group * BEGINS_BLOCK;
+    if count == 1 {
+        // With nobody beside it, a lane goes from entry to entry.
+        lanes.each(shared, move |_, _, _: &mut BeginsShared| {
+            let mut place = 0;
+            let mut entry = first;
+            while entry < first + BEGINS_BLOCK && entry <= grid.table {
+                place = first_from(keys, place, grid.photons, entry);
+                begins.set(entry, place);
+                entry += 1;
+            }
+        });
+        return;
+    }
+    let end = first + BEGINS_BLOCK;
+    // 1. Which keys belong to these entries.
+    lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
+        if lane == 0 {
+            shared[LOW] = first_of(keys, grid.photons, first);
+        } else if lane == count / 2 {
+            shared[HIGH] = first_of(keys, grid.photons, end);
+        }
+        let mut entry = lane;
+        while entry < BEGINS_BLOCK {
+            shared[entry as usize] = NO_KEY;
+            entry += count;
         }
     });
+    // 2. Where keys change, an entry begins.
+    lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
+        let low = shared[LOW];
+        let high = shared[HIGH];
+        let mut i = low + lane;
+        while high - low <= MOST_KEYS && i < high {
+            let key = keys[i as usize];
+            if i == low || keys[(i - 1) as usize] != key {
+                shared[(key - first) as usize] = i;
+            }
+            i += count;
+        }
+    });
+    // 3. Entries without a key begin where the next with one does.
+    let each = BEGINS_BLOCK / count;
+    lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
+        let mut place = NO_KEY;
+        let mut j = each;
+        while j > 0 {
+            j -= 1;
+            let entry = (lane * each + j) as usize;
+            place = if shared[entry] < place { shared[entry] } else { place };
+            shared[entry] = place;
+        }
+        shared[(LANE_PLACES + lane) as usize] = place;
+    });
+    // The least of the lanes after each (Hillis and Steele 1986), from one copy into the other.
+    let mut from = LANE_PLACES;
+    let mut step = 1;
+    while step < count {
+        let to = 2 * LANE_PLACES + count - from;
+        lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
+            let mut place = shared[(from + lane) as usize];
+            if lane + step < count {
+                let other = shared[(from + lane + step) as usize];
+                place = if other < place { other } else { place };
+            }
+            shared[(to + lane) as usize] = place;
+        });
+        from = to;
+        step *= 2;
+    }
+    lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
+        let high = shared[HIGH];
+        let crowded = high - shared[LOW] > MOST_KEYS;
+        let mut entry = lane;
+        while entry < BEGINS_BLOCK && first + entry <= grid.table {
+            let mut place = shared[entry as usize];
+            let after = entry / each + 1;
+            if place == NO_KEY && after < count {
+                place = shared[(from + after) as usize];
+            }
+            if place > high {
+                place = high;
+            }
+            if crowded {
+                place = first_from(keys, shared[LOW], high, first + entry);
+            }
+            begins.set(first + entry, place);
+            entry += count;
+        }
+    });
+}
+
+/// 1 if a power, given by [`rest`], has bits below the highest 42 of the 66 that begin with those of the largest.
+#[inline]
+fn low_bits(largest: u32, rest: u32) -> u32 {
+    // Without any power the complement has the highest exponent.
+    u32::from((largest >> 23) as i32 - (!rest >> 23) as i32 > 18)
+}
+
+/// The first place whose key is not below `key`, by halves.
+#[inline]
+fn first_of(keys: &Input<u32>, end: u32, key: u32) -> u32 {
+    let mut low = 0;
+    let mut high = end;
+    while low < high {
+        let middle = low + (high - low) / 2;
+        if keys[middle as usize] < key {
+            low = middle + 1;
+        } else {
+            high = middle;
+        }
+    }
+    low
 }
 
 /// The first place from `place` on whose key is not below `key`: by steps that double, then by halves, so that near ones are

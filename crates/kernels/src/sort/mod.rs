@@ -14,7 +14,7 @@ mod scatter;
 
 pub use block::BlockRegisters;
 pub use count::{CountShared, NarrowCountShared, radix_count};
-pub use scan::{SCAN_BLOCK, SCAN_LANES, ScanParams, ScanShared, scan_rows};
+pub use scan::{SCAN_BLOCK, SCAN_LANES, ScanParams, ScanRegisters, ScanShared, scan_rows};
 pub use scatter::{ScatterShared, radix_scatter};
 
 use bytemuck::{Pod, Zeroable};
@@ -136,7 +136,7 @@ mod tests {
         for order in &orders() {
             let (mut sums, mut totals) = (vec![0; 10_010], vec![0; 3]);
             for group in 0..4 {
-                let mut lanes = Workgroup { registers: &mut [[7; 2]; 256], order, subgroup_lanes: 1 };
+                let mut lanes = Workgroup { registers: &mut [ScanRegisters::default(); 256], order, subgroup_lanes: 1 };
                 let (sums, totals) = (sums.as_mut_slice(), totals.as_mut_slice());
                 scan_rows(&mut lanes, group, &mut [9; 512], &params, &input, sums, totals);
             }
@@ -171,7 +171,7 @@ mod tests {
                 let (mut keys_out, mut values_out) = (vec![0; count as usize], vec![u32::MAX; count as usize]);
                 for group in 0..=pass.blocks {
                     let (k, v) = (keys_out.as_mut_slice(), values_out.as_mut_slice());
-                    radix_scatter(lanes, group, &mut [9; 5120], &pass, &keys, &values, &offsets, &totals, k, v);
+                    radix_scatter(lanes, group, &mut [9; 4624], &pass, &keys, &values, &offsets, &totals, k, v);
                 }
                 let found: Vec<_> = keys_out.into_iter().zip(values_out).collect();
                 assert!(found == expected, "{count} keys");

@@ -3,6 +3,7 @@
 //! One kernel serves every scan of the project. Sorting scans a row a digit. A long array is scanned as
 //! rows of [`SCAN_BLOCK`] elements, then their totals as one more row; whoever reads element `i` adds the two.
 
+use super::block::for_items;
 use crate::exec::{Input, Lanes, Store};
 use bytemuck::{Pod, Zeroable};
 
@@ -23,13 +24,23 @@ pub struct ScanParams {
     pub row_length: u32,
 }
 
+/// Registers of a scanning lane.
+#[derive(Clone, Copy, Default)]
+pub struct ScanRegisters {
+    items: [u32; LANE_ITEMS as usize],
+    /// The sum of the lane's items.
+    sum: u32,
+    /// The sum of the row so far.
+    row: u32,
+}
+
 /// Shared memory of a scanning workgroup: two copies, so that a step reads one and writes the other.
 pub type ScanShared = [u32; 512];
 
 /// Scans row `group`: `sums[i]` becomes the sum of the row's elements before `i`, and `totals[group]` that of all.
 /// Sums wrap at 2³²; the host bounds the counts so that they cannot.
 #[inline]
-pub fn scan_rows<L: Lanes<[u32; 2]>, O: Store<u32> + ?Sized, T: Store<u32> + ?Sized>(
+pub fn scan_rows<L: Lanes<ScanRegisters>, O: Store<u32> + ?Sized, T: Store<u32> + ?Sized>(
     lanes: &mut L,
     group: u32,
     shared: &mut ScanShared,
@@ -46,47 +57,41 @@ pub fn scan_rows<L: Lanes<[u32; 2]>, O: Store<u32> + ?Sized, T: Store<u32> + ?Si
     if end > params.count {
         end = params.count;
     }
-    // registers: [sum of the lane's items or its exclusive prefix, sum of the row so far]
-    lanes.each(shared, move |_, r: &mut [u32; 2], _: &mut ScanShared| {
-        r[1] = 0;
+    lanes.each(shared, move |_, r: &mut ScanRegisters, _: &mut ScanShared| {
+        r.row = 0;
     });
     let mut chunk = begin;
     while chunk < end {
-        lanes.each(shared, move |lane, r: &mut [u32; 2], shared: &mut ScanShared| {
+        lanes.each(shared, move |lane, r: &mut ScanRegisters, shared: &mut ScanShared| {
             let first = chunk + lane * LANE_ITEMS;
-            let mut sum = 0u32;
-            let mut item = 0;
-            while item < LANE_ITEMS {
+            // All are on their way before the first is needed.
+            for_items!(LANE_ITEMS, item => {
                 let i = first + item;
-                if i < end {
-                    sum = sum.wrapping_add(input[i as usize]);
-                }
-                item += 1;
-            }
-            r[0] = sum;
-            shared[lane as usize] = sum;
+                let value = input[(if i < end { i } else { end - 1 }) as usize];
+                r.items[item as usize] = if i < end { value } else { 0 };
+            });
+            r.sum = 0;
+            for_items!(LANE_ITEMS, item => { r.sum = r.sum.wrapping_add(r.items[item as usize]); });
+            shared[lane as usize] = r.sum;
         });
         inclusive_scan(lanes, shared);
         let sums = &mut *sums;
-        lanes.each(shared, move |lane, r: &mut [u32; 2], shared: &mut ScanShared| {
-            let mut sum = shared[lane as usize].wrapping_sub(r[0]).wrapping_add(r[1]);
+        lanes.each(shared, move |lane, r: &mut ScanRegisters, shared: &mut ScanShared| {
+            let mut sum = shared[lane as usize].wrapping_sub(r.sum).wrapping_add(r.row);
             let first = chunk + lane * LANE_ITEMS;
-            let mut item = 0;
-            while item < LANE_ITEMS {
-                let i = first + item;
-                if i < end {
-                    sums.set(i, sum);
-                    sum = sum.wrapping_add(input[i as usize]);
+            for_items!(LANE_ITEMS, item => {
+                if first + item < end {
+                    sums.set(first + item, sum);
                 }
-                item += 1;
-            }
-            r[1] = r[1].wrapping_add(shared[(SCAN_LANES - 1) as usize]);
+                sum = sum.wrapping_add(r.items[item as usize]);
+            });
+            r.row = r.row.wrapping_add(shared[(SCAN_LANES - 1) as usize]);
         });
         chunk += SCAN_BLOCK;
     }
-    lanes.each(shared, move |lane, r: &mut [u32; 2], _: &mut ScanShared| {
+    lanes.each(shared, move |lane, r: &mut ScanRegisters, _: &mut ScanShared| {
         if lane == 0 {
-            totals.set(group, r[1]);
+            totals.set(group, r.row);
         }
     });
 }

@@ -1,16 +1,16 @@
 //! Last stage of a radix pass: every pair to its place.
 
-use super::block::{BlockRegisters, count_digits, for_items, items_of, scan_digits};
+use super::block::{BlockRegisters, SUBGROUPS, count_digits, for_items, items_of, scan_words};
 use super::{DIGITS, RadixPass, SORT_BLOCK, VALUES_INDICES, VALUES_NONE, digit};
 use crate::exec::{Input, Store, Turns};
 
 /// Shared memory of a scattering workgroup: counters of up to 16 subgroups and then the block in its new order …
-pub type ScatterShared = [u32; 5120];
+pub type ScatterShared = [u32; 4624];
 /// … where the pairs of each digit begin in the block …
 const STARTS: u32 = SORT_BLOCK;
 /// … and in the output …
 const PLACES: u32 = STARTS + DIGITS;
-/// … and a word a lane.
+/// … and a word a subgroup.
 const SCRATCH: u32 = PLACES + DIGITS;
 
 /// Writes the pairs of block `group` to their places in the order of this digit, equal digits keeping their order.
@@ -38,65 +38,89 @@ pub fn radix_scatter<const N: usize, L: Turns<BlockRegisters<N>>, K: Store<u32> 
         return;
     }
     let count = lanes.lanes();
-    let subgroup = lanes.subgroup_lanes();
+    let subgroup_bits = lanes.subgroup_bits();
+    let subgroups = count >> subgroup_bits;
     let first = group * SORT_BLOCK;
     let size = if pass.count - first < SORT_BLOCK { pass.count - first } else { SORT_BLOCK };
     let shift = pass.shift;
 
-    // 1. Ranks within subgroups; then how many of a digit are in earlier subgroups, and in all.
-    count_digits::<true, N, _, L>(lanes, group, shared, pass, keys);
+    // 1. Ranks within subgroups.
+    count_digits::<N, _, L>(lanes, group, shared, pass, keys);
+    // 2. Where digits begin in the block, and in the output: both prefix sums at once.
     lanes.each(shared, move |lane, _, shared: &mut ScatterShared| {
         let mut digit = lane;
-        while digit < DIGITS {
+        while digit < 2 * DIGITS {
             let mut sum = 0;
-            let mut s = 0;
-            while s < count / subgroup {
-                let word = (s * DIGITS + digit) as usize;
-                let inside = shared[word];
-                shared[word] = sum;
-                sum += inside;
-                s += 1;
+            if digit < DIGITS {
+                for_items!(SUBGROUPS, s => {
+                    if s < subgroups {
+                        sum += shared[(s * DIGITS + digit) as usize];
+                    }
+                });
+            } else {
+                sum = digit_totals[(digit - DIGITS) as usize];
             }
             shared[(STARTS + digit) as usize] = sum;
-            shared[(PLACES + digit) as usize] = digit_totals[digit as usize];
             digit += count;
         }
     });
-    // 2. Where digits begin, in the block and in the output.
-    scan_digits(lanes, shared, STARTS, SCRATCH);
-    scan_digits(lanes, shared, PLACES, SCRATCH);
+    scan_words(lanes, shared, STARTS, 2 * DIGITS, SCRATCH);
+    lanes.each(shared, move |lane, _, shared: &mut ScatterShared| {
+        let mut digit = lane;
+        while digit < 2 * DIGITS {
+            if digit < DIGITS {
+                // Where the pairs of each subgroup begin.
+                let mut sum = shared[(STARTS + digit) as usize];
+                for_items!(SUBGROUPS, s => {
+                    if s < subgroups {
+                        let word = (s * DIGITS + digit) as usize;
+                        let inside = shared[word];
+                        shared[word] = sum;
+                        sum += inside;
+                    }
+                });
+                let _ = sum;
+            } else {
+                let digit = digit - DIGITS;
+                // The scan has added the whole block on top.
+                let place =
+                    shared[(PLACES + digit) as usize] - SORT_BLOCK + offsets[(digit * pass.blocks + group) as usize];
+                // Minus the start: what is at i in the block goes to this plus i. It may wrap.
+                shared[(PLACES + digit) as usize] = place.wrapping_sub(shared[(STARTS + digit) as usize]);
+            }
+            digit += count;
+        }
+    });
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
-        let table = lane / subgroup * DIGITS;
-        for_items!(N as u32, item => {
-            let d = digit(r.keys[item as usize], shift);
-            let before = shared[(table + d) as usize];
-            r.ranks[item as usize] += before + shared[(STARTS + d) as usize];
+        let table = (lane >> subgroup_bits) * DIGITS;
+        for_items!(N, item => {
+            r.ranks[item as usize] += shared[(table + digit(r.keys[item as usize], shift)) as usize];
         });
     });
     // 3. The keys in order, in the counters' memory.
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
-        let [first, step] = items_of(lane, subgroup, N as u32);
-        for_items!(N as u32, item => {
-            if first + item * step < size {
-                shared[r.ranks[item as usize] as usize] = r.keys[item as usize];
-            }
+        for_items!(N, item => {
+            shared[r.ranks[item as usize] as usize] = r.keys[item as usize];
         });
-        let mut digit = lane;
-        while digit < DIGITS {
-            let start = shared[(STARTS + digit) as usize];
-            let place = shared[(PLACES + digit) as usize] + offsets[(digit * pass.blocks + group) as usize];
-            // Minus the start: what is at i in the block goes to this plus i. It may wrap.
-            shared[(PLACES + digit) as usize] = place.wrapping_sub(start);
-            digit += count;
+        if pass.values != VALUES_NONE {
+            let [of_lane, step] = items_of(lane, subgroup_bits, N as u32);
+            for_items!(N, item => {
+                let i = first + of_lane + item * step;
+                r.values[item as usize] = if pass.values == VALUES_INDICES {
+                    i
+                } else {
+                    values[(if i < pass.count { i } else { pass.count - 1 }) as usize]
+                };
+            });
         }
     });
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
-        for_items!(N as u32, item => {
+        for_items!(N, item => {
             let i = item * count + lane;
+            let key = shared[i as usize];
+            let place = shared[(PLACES + digit(key, shift)) as usize].wrapping_add(i);
+            r.keys[item as usize] = place;
             if i < size {
-                let key = shared[i as usize];
-                let place = shared[(PLACES + digit(key, shift)) as usize].wrapping_add(i);
-                r.keys[item as usize] = place;
                 keys_out.set(place, key);
             }
         });
@@ -105,21 +129,13 @@ pub fn radix_scatter<const N: usize, L: Turns<BlockRegisters<N>>, K: Store<u32> 
     if pass.values == VALUES_NONE {
         return;
     }
-    lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
-        let [of_lane, step] = items_of(lane, subgroup, N as u32);
-        for_items!(N as u32, item => {
-            let at = of_lane + item * step;
-            if at < size {
-                let mut value = first + at;
-                if pass.values != VALUES_INDICES {
-                    value = values[value as usize];
-                }
-                shared[r.ranks[item as usize] as usize] = value;
-            }
+    lanes.each(shared, move |_, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
+        for_items!(N, item => {
+            shared[r.ranks[item as usize] as usize] = r.values[item as usize];
         });
     });
     lanes.each(shared, move |lane, r: &mut BlockRegisters<N>, shared: &mut ScatterShared| {
-        for_items!(N as u32, item => {
+        for_items!(N, item => {
             let i = item * count + lane;
             if i < size {
                 values_out.set(r.keys[item as usize], shared[i as usize]);
