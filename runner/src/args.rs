@@ -84,6 +84,8 @@ pub enum SceneCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Prints the JSON schema of scene files, for editors.
+    Schema,
     /// Says what a scene holds, and what in it may be wrong, each with a remedy.
     Check {
         /// A built-in scene, a scene file or a model (.ply, .obj, .gltf, .glb).

@@ -220,7 +220,7 @@ impl Builder {
             let own = if material.is_none() { meshes::emission(&model.finishes[finish]) } else { None };
             let radiance = radiance.or(own);
             let textured = palette.pictures[index].any();
-            if textured && part.uv.is_empty() {
+            if material.is_some() && textured && part.uv.is_empty() {
                 let problem =
                     "has a material with a texture, but no texture coordinates; add them or use another material";
                 return Err(document.field_error(path, problem));
