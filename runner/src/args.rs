@@ -84,11 +84,27 @@ pub enum SceneCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Says what a scene holds, and what in it may be wrong, each with a remedy.
+    Check {
+        /// A built-in scene, a scene file or a model (.ply, .obj, .gltf, .glb).
+        scene: String,
+        /// Prints JSON instead of text.
+        #[arg(long)]
+        json: bool,
+    },
+    /// Writes a scene as a .ply of triangles, or a scene file around a model as .toml.
+    Convert {
+        /// A built-in scene, a scene file or a model (.ply, .obj, .gltf, .glb).
+        scene: String,
+        /// The file to write: .toml or .ply.
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+    },
 }
 
 #[derive(Args)]
 pub struct RenderArguments {
-    /// A built-in scene (see `caustic scene list`) or a scene file (docs/scene-format.md).
+    /// A built-in scene (see `caustic scene list`) a scene file (docs/scene-format.md) or a model (.ply, .obj, .gltf, .glb).
     pub scene: String,
     /// The image: .png (sRGB, 8 bits) or .exr (linear, 32-bit float, with the settings as metadata).
     #[arg(short, long, value_name = "FILE")]

@@ -1,8 +1,7 @@
-//! `caustic info` and `caustic scene list`.
+//! `caustic info`.
 
 use crate::Failure;
 use caustic_device::adapters;
-use caustic_renderer::scene::{BUILT_IN, BuiltIn};
 
 /// Lists the CPU and all adapters.
 pub fn devices(json: bool) -> Result<(), Failure> {
@@ -37,19 +36,6 @@ pub fn devices(json: bool) -> Result<(), Failure> {
     }
     if adapters.is_empty() {
         println!("no GPU: there is no Vulkan driver (on Debian, mesa-vulkan-drivers has a software one)");
-    }
-    Ok(())
-}
-
-/// Lists the built-in scenes.
-pub fn scenes(json: bool) -> Result<(), Failure> {
-    if json {
-        let line = |scene: &BuiltIn| serde_json::json!({ "name": scene.name, "line": scene.description() });
-        println!("{:#}", serde_json::Value::from(BUILT_IN.iter().map(line).collect::<Vec<_>>()));
-        return Ok(());
-    }
-    for scene in BUILT_IN {
-        println!("{:<12} {}", scene.name, scene.description());
     }
     Ok(())
 }

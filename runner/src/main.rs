@@ -9,9 +9,10 @@ mod info;
 mod map;
 mod progress;
 mod render;
+mod scene;
 mod verify;
 
-use args::{Arguments, Command, SceneCommand};
+use args::{Arguments, Command};
 use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
@@ -95,7 +96,7 @@ fn main() -> ExitCode {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Experiments(arguments) => experiments::run(&arguments),
         Command::Info { json } => info::devices(json),
-        Command::Scene { command: SceneCommand::List { json } } => info::scenes(json),
+        Command::Scene { command } => scene::run(&command),
     };
     result.map_or_else(|failure| fail(&failure), |()| ExitCode::SUCCESS)
 }

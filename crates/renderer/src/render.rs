@@ -44,7 +44,7 @@ pub fn render(
     let start = Instant::now();
     let compiled = scene.compile();
     let buffers = SceneBuffers::new(device, &compiled)?;
-    let mut notes = Vec::new();
+    let mut notes = scene.notes.clone();
     let mut maps = Vec::new();
     let mut map = |kind: Option<PassKind>| match kind {
         Some(kind) => build(device, &compiled, &buffers, settings, &kind, &mut maps, &mut notes, progress),

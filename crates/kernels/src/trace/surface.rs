@@ -172,3 +172,6 @@ pub fn material_at<const FULL: bool>(
     }
     material
 }
+
+#[cfg(test)]
+mod tests;

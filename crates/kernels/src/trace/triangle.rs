@@ -128,3 +128,6 @@ fn largest(v: Vec3) -> f32 {
 fn lower(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(min(a.x, b.x), min(a.y, b.y), min(a.z, b.z))
 }
+
+#[cfg(test)]
+mod tests;

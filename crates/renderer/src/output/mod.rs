@@ -9,6 +9,7 @@ mod png_file;
 mod tests;
 
 pub use error::OutputError;
+pub use place::{check as check_place, replace};
 pub use png_file::{from_srgb8, to_srgb8};
 
 use sha2::{Digest, Sha256};

@@ -7,7 +7,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Checks that a file can be put at `path`.
-pub(super) fn check(path: &Path) -> Result<(), OutputError> {
+///
+/// # Errors
+/// If it cannot, with the remedy.
+pub fn check(path: &Path) -> Result<(), OutputError> {
     let folder = folder(path);
     match fs::metadata(folder) {
         Ok(found) if found.is_dir() => {}
@@ -30,7 +33,10 @@ pub(super) fn check(path: &Path) -> Result<(), OutputError> {
 }
 
 /// Puts a file of these bytes at `path`: written beside it, brought to the disk, then renamed.
-pub(super) fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+///
+/// # Errors
+/// If it cannot be written.
+pub fn replace(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
     let write = || -> io::Result<()> {
         let mut unfinished = Unfinished::create(folder(path))?;
         unfinished.file.write_all(bytes)?;

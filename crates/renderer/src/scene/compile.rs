@@ -1,7 +1,7 @@
 //! From a checked scene to the kernels' records. Everything is computed in f64 and rounded once.
 
 use super::bvh;
-use super::content::{Content, Glass, Layers, NOTHING, Shape, Spot, Substance, Surface};
+use super::content::{Content, Glass, Layers, NOTHING, Pictures, Shape, Spot, Substance, Surface};
 use super::lights::{Source, chances, share_photons};
 use super::substances::smoothest;
 use super::targets::{aim, targets};
@@ -92,7 +92,8 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
     let has_specular = content.surfaces.iter().any(specular);
     let targets = aim(&mut lights, &targets(content.surfaces.iter().filter(|surface| specular(surface))));
     share_photons(&mut lights, 1 << 20, |_| true);
-    let materials: Vec<Material> = content.materials.iter().map(material).collect();
+    let materials: Vec<Material> =
+        content.materials.iter().zip(&content.pictures).map(|(of, pictures)| material(of, *pictures)).collect();
     let basic_light = |light: &Light| light.kind == LIGHT_AREA || light.kind == LIGHT_POINT;
     let more =
         content.camera.lens_radius > 0.0 || materials.iter().any(beyond_basic) || !lights.iter().all(basic_light);
@@ -233,8 +234,9 @@ fn primitive(surface: &Surface, light: u32, reach: f64) -> Primitive {
     }
 }
 
-fn material(substance: &Substance) -> Material {
-    let plain = Material { ior: 1.0, texture: NO_TEXTURE, roughness_texture: NO_TEXTURE, ..Material::default() };
+fn material(substance: &Substance, pictures: Pictures) -> Material {
+    let [texture, roughness_texture] = [pictures.colour, pictures.roughness].map(|at| at.unwrap_or(NO_TEXTURE));
+    let plain = Material { ior: 1.0, texture, roughness_texture, ..Material::default() };
     let of = |kind, reflectance: DVec3| Material {
         kind,
         reflectance: rounded(reflectance),

@@ -7,8 +7,14 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(super) struct Content {
     pub camera: Viewpoint,
+    /// Where the origin of the files is, as seen from here, m: all of the scene was moved by it.
+    pub origin: DVec3,
     /// In the order of their names; the black of lights without a material, if there are such, is last.
     pub materials: Vec<Substance>,
+    /// Materials that have names.
+    pub names: Vec<(String, usize)>,
+    /// Pictures on each material.
+    pub pictures: Vec<Pictures>,
     /// Quads, then spheres, discs and triangles, each in the file's order; those that have corners last, in the order of these.
     pub surfaces: Vec<Surface>,
     /// Normals and texture coordinates of triangles.
@@ -44,6 +50,7 @@ impl Content {
         for point in &mut self.points {
             point.position -= origin;
         }
+        self.origin -= origin;
         self.camera.position -= origin;
         self.camera.target -= origin;
         self
@@ -73,6 +80,22 @@ pub(super) struct Viewpoint {
     pub focus: f64,
 }
 
+/// Indices of the pictures on a material.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Pictures {
+    /// Multiplies the reflectance.
+    pub colour: Option<u32>,
+    /// Multiplies the roughness by its green and the share of metal by its blue.
+    pub roughness: Option<u32>,
+}
+
+impl Pictures {
+    /// Whether there are any, so that texture coordinates are needed.
+    pub fn any(self) -> bool {
+        self.colour.is_some() || self.roughness.is_some()
+    }
+}
+
 /// What a surface does with light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Substance {
@@ -90,6 +113,11 @@ impl Substance {
     /// Whether it reflects or refracts light in other than diffuse ways, so that caustics may come of it.
     pub fn is_specular(&self) -> bool {
         !matches!(self, Self::Lambertian(_))
+    }
+
+    /// Whether a surface of it may be a light.
+    pub fn may_emit(&self) -> bool {
+        matches!(self, Self::Lambertian(_) | Self::Layered(_))
     }
 
     /// Whether it has a diffuse part, black ones too.

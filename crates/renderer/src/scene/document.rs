@@ -6,6 +6,7 @@ use super::text::{nearest, one_line};
 use serde::Deserialize;
 use std::fmt;
 use std::ops::Range;
+use std::path::{Path as FilePath, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -86,6 +87,11 @@ impl<'a> Document<'a> {
                 Err(SceneError::Syntax { place: place(name, text, start), problem: one_line(error.message()) })
             }
         }
+    }
+
+    /// The folder that other files are looked for in.
+    pub fn folder(&self) -> PathBuf {
+        FilePath::new(self.name).parent().map(FilePath::to_path_buf).unwrap_or_default()
     }
 
     /// The file's fields.
@@ -192,7 +198,6 @@ fn reworded(message: &str) -> String {
 /// How a required field may look.
 fn example(field: &str) -> &'static str {
     match field {
-        "camera" => "a table [camera] with position, target and vertical_fov_degrees",
         "position" => "`position = [x, y, z]`, in metres",
         "target" => "`target = [x, y, z]`, the point the camera looks at, in metres",
         "vertical_fov_degrees" => "for example `vertical_fov_degrees = 35`",
@@ -201,6 +206,9 @@ fn example(field: &str) -> &'static str {
         "edge_u" | "edge_v" => "the two edges that leave the corner, in metres, for example `edge_u = [1, 0, 0]`",
         "centre" => "`centre = [x, y, z]`, in metres",
         "radius" => "for example `radius = 0.5`, in metres",
+        "normal" => "the direction the front looks to, for example `normal = [0, 1, 0]`",
+        "mesh" => "the name of a [[meshes]]",
+        "place" => "for example `place = { translate = [1, 0, 0] }`",
         "material" => "the name of a material, for example `material = \"white\"`",
         "intensity" => "`intensity = [r, g, b]`, in W/sr",
         _ => "it",

@@ -25,7 +25,7 @@ impl fmt::Display for Place {
 pub enum SceneError {
     /// Neither a built-in scene nor a file.
     #[error(
-        "there is no scene `{name}`{suggestion}: give one of the built-in scenes {known} or the path of a .toml file"
+        "there is no scene `{name}`{suggestion}: give one of the built-in scenes {known} or the path of a .toml, .ply, .obj, .gltf or .glb file"
     )]
     Unknown {
         /// What was asked for.
@@ -64,6 +64,26 @@ pub enum SceneError {
         path: String,
         /// Where the first wrong byte is, counted from 0.
         offset: usize,
+    },
+    /// A model cannot be used.
+    #[error("the model `{path}` {problem}")]
+    Model {
+        /// The file.
+        path: String,
+        /// What is wrong with it, with the remedy.
+        problem: String,
+    },
+    /// A scene cannot be converted to a file of this ending.
+    #[error("`{path}` ends neither in .toml nor in .ply, so it is not clear what to write; give one of these endings")]
+    Ending {
+        /// The file.
+        path: String,
+    },
+    /// A scene file shall become one.
+    #[error("`{path}` is a scene file already; convert it to .ply, or give a model (.ply, .obj, .gltf, .glb)")]
+    AlreadyToml {
+        /// The file.
+        path: String,
     },
     /// The file says nothing.
     #[error("`{path}` is empty: a scene needs at least a [camera], a surface and a light, see docs/scene-format.md")]

@@ -12,8 +12,11 @@ pub(super) struct SceneFile {
     /// What the scene shows, in one line.
     #[serde(default)]
     pub description: String,
-    /// Where the picture is taken from.
-    pub camera: CameraTable,
+    /// Files whose materials, surfaces and lights are part of the scene, relative to this one.
+    #[serde(default)]
+    pub include: Vec<String>,
+    /// Where the picture is taken from. Files that are included have none.
+    pub camera: Option<CameraTable>,
     /// Defaults for the settings of a render.
     #[serde(default)]
     pub render: RenderTable,
@@ -26,6 +29,15 @@ pub(super) struct SceneFile {
     /// Spheres.
     #[serde(default)]
     pub spheres: Vec<SphereTable>,
+    /// Discs.
+    #[serde(default)]
+    pub discs: Vec<DiscTable>,
+    /// Meshes of triangles.
+    #[serde(default)]
+    pub meshes: Vec<MeshTable>,
+    /// Meshes once more, elsewhere.
+    #[serde(default)]
+    pub instances: Vec<InstanceTable>,
     /// Lights that are not surfaces.
     #[serde(default)]
     pub lights: Vec<LightTable>,
@@ -78,6 +90,10 @@ pub(super) struct MaterialTable {
     pub reflectance: Option<Numbers<3>>,
     /// Index of refraction of a dielectric or of a coat.
     pub ior: Option<f64>,
+    /// A PNG or JPEG file, relative to the scene's, that the reflectance is multiplied with; not of a dielectric.
+    pub texture: Option<String>,
+    /// Another whose green multiplies `roughness` and whose blue multiplies `metallic`, as in glTF.
+    pub roughness_texture: Option<String>,
     /// Perceptual roughness, 0 to 1: the square root of the GGX α, as in glTF.
     pub roughness: Option<f64>,
     /// Share that is metal, 0 to 1, of the metallic-roughness model.
@@ -137,6 +153,84 @@ pub(super) struct SphereTable {
     /// Radiance that the outside emits, W·sr⁻¹·m⁻².
     pub radiance: Option<Numbers<3>>,
 }
+
+/// `[[discs]]`: a disc.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct DiscTable {
+    /// What messages call it.
+    pub name: Option<String>,
+    /// Centre, m.
+    pub centre: Numbers<3>,
+    /// The direction its front looks to, of any length.
+    pub normal: Numbers<3>,
+    /// Radius, m.
+    pub radius: f64,
+    /// Its material.
+    pub material: String,
+}
+
+/// `[[meshes]]`: triangles, from a file or given here.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshTable {
+    /// What messages and instances call it.
+    pub name: Option<String>,
+    /// A .ply, .obj, .gltf or .glb file, relative to the scene's.
+    pub file: Option<String>,
+    /// Points, m.
+    pub vertices: Option<Vec<Numbers<3>>>,
+    /// Indices of three vertices each, counted from 0, counter-clockwise as the front is seen.
+    pub triangles: Option<Vec<Numbers<3>>>,
+    /// Normals at the vertices, of any length: the surface looks as smooth as they say.
+    pub normals: Option<Vec<Numbers<3>>>,
+    /// Texture coordinates at the vertices, v downwards.
+    pub uv: Option<Vec<Numbers<2>>>,
+    /// Its material; the file's own if there is none.
+    pub material: Option<String>,
+    /// Radiance that the front emits, W·sr⁻¹·m⁻²; the file's own if there is none.
+    pub radiance: Option<Numbers<3>>,
+    /// Whether triangles look flat, whatever normals there are.
+    #[serde(default)]
+    pub flat: bool,
+    /// Whether only its instances are seen.
+    #[serde(default)]
+    pub hidden: bool,
+    /// Where it is put; as it is if there is none.
+    pub place: Option<PlaceTable>,
+}
+
+/// `[[instances]]`: a mesh once more, elsewhere.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct InstanceTable {
+    /// What messages call it.
+    pub name: Option<String>,
+    /// The name of the mesh.
+    pub mesh: String,
+    /// Its material; the mesh's own if there is none.
+    pub material: Option<String>,
+    /// Where it is put. The mesh's own place does not count.
+    pub place: PlaceTable,
+}
+
+/// `place`: scaled, then turned about x, y and z in this order, then moved; or a matrix.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct PlaceTable {
+    /// m.
+    pub translate: Option<Numbers<3>>,
+    /// About x, then y, then z, degrees.
+    pub rotate_degrees: Option<Numbers<3>>,
+    /// Factor on lengths.
+    pub scale: Option<f64>,
+    /// Three rows of four numbers, the last of each the translation, in place of the others.
+    pub matrix: Option<Rows>,
+}
+
+/// Three rows of a matrix.
+#[derive(Debug, Deserialize)]
+pub(super) struct Rows(pub [Numbers<4>; 3]);
 
 /// `[[lights]]`: a light that is not a surface.
 #[derive(Debug, Deserialize)]

@@ -2,7 +2,9 @@
 
 use super::builtin::{BUILT_IN, names};
 use super::error::SceneError;
+use super::import;
 use super::limits::MAX_FILE_BYTES;
+use super::model::is_model;
 use super::text::{nearest, one_line};
 use super::{BuiltIn, Scene};
 use std::fs::File;
@@ -24,6 +26,9 @@ pub(super) fn load(spec: &str) -> Result<Scene, SceneError> {
             known: names(),
         });
     }
+    if is_model(path) {
+        return import::scene(path);
+    }
     let bytes = read(path).map_err(|error| SceneError::Unreadable {
         path: one_line(spec),
         reason: if path.is_dir() { "it is a folder".to_string() } else { error.to_string() },
@@ -36,6 +41,15 @@ pub(super) fn load(spec: &str) -> Result<Scene, SceneError> {
         Ok(text) => Scene::parse(spec, text),
         Err(error) => Err(SceneError::NotText { path: one_line(spec), offset: error.valid_up_to() }),
     }
+}
+
+/// The text of a file, or why there is none.
+pub(super) fn text(path: &Path) -> Result<String, String> {
+    let bytes = read(path).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > MAX_FILE_BYTES {
+        return Err(format!("it is larger than {MAX_FILE_BYTES} bytes"));
+    }
+    String::from_utf8(bytes).map_err(|_| "it is not a text file".to_string())
 }
 
 /// The file's bytes, up to one more than a scene may have.

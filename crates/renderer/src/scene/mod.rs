@@ -18,13 +18,20 @@ mod camera;
 mod check;
 mod compile;
 mod content;
+mod convert;
 mod document;
 mod error;
 mod file;
+mod generated;
+mod import;
+mod inspect;
 mod lamps;
 mod lights;
 pub mod limits;
 mod load;
+mod meshes;
+mod model;
+mod place;
 mod substances;
 mod surfaces;
 mod targets;
@@ -37,7 +44,9 @@ mod tests;
 
 pub use builtin::{BUILT_IN, BuiltIn};
 pub use compile::CompiledScene;
+pub use convert::Target as ConvertTarget;
 pub use error::{Place, SceneError};
+pub use inspect::Inspection;
 
 use caustic_kernels::trace::Camera;
 use content::Content;
@@ -52,6 +61,8 @@ pub struct Scene {
     pub description: String,
     /// The file's defaults for the settings of a render.
     pub defaults: RenderDefaults,
+    /// What was left out of its files or added to them.
+    pub notes: Vec<String>,
     content: Content,
 }
 
@@ -73,7 +84,7 @@ pub struct RenderDefaults {
 }
 
 impl Scene {
-    /// Loads the built-in scene of this name or else the scene file at this path.
+    /// Loads the built-in scene of this name or else the scene file or model (.ply, .obj, .gltf, .glb) at this path.
     ///
     /// # Errors
     /// If there is neither, or the file is not a scene.
@@ -91,14 +102,34 @@ impl Scene {
         }
         let document = Document::parse(file_name, text)?;
         let file = document.fields()?;
-        let (defaults, content) = validate::validate(&document, &file)?;
-        Ok(Self { name: load::stem(file_name), description: text::one_line(&file.description), defaults, content })
+        let (defaults, content, notes) = validate::validate(&document, &file)?;
+        Ok(Self {
+            name: load::stem(file_name),
+            description: text::one_line(&file.description),
+            defaults,
+            notes,
+            content,
+        })
     }
 
     /// The camera for a picture of `width` × `height` pixels, each at least 1.
     #[must_use]
     pub fn camera(&self, width: u32, height: u32) -> Camera {
         camera::camera(&self.content.camera, width, height)
+    }
+
+    /// What it holds, and what in it is worth a look.
+    #[must_use]
+    pub fn inspect(&self) -> Inspection {
+        inspect::inspect(self)
+    }
+
+    /// This scene, which was loaded from `input`, as the bytes of a file at `output`.
+    ///
+    /// # Errors
+    /// If it is a scene file already and shall become one.
+    pub fn convert(&self, input: &str, output: &std::path::Path, target: ConvertTarget) -> Result<Vec<u8>, SceneError> {
+        convert::convert(self, input, output, target)
     }
 
     /// The kernels' records.

@@ -1,10 +1,10 @@
-//! Checks of `[materials]`, `[[quads]]` and `[[spheres]]`.
+//! Checks of `[materials]`, `[[quads]]`, `[[spheres]]` and `[[discs]]`.
 
 use super::check::{LARGEST, PARALLEL, SHORTEST, emission, number, vector};
-use super::content::{Shape, Substance, Surface};
+use super::content::{Pictures, Shape, Substance, Surface};
 use super::document::{Document, Path};
 use super::error::SceneError;
-use super::file::{MaterialTable, Numbers, QuadTable, SphereTable};
+use super::file::{DiscTable, MaterialTable, Numbers, QuadTable, SphereTable};
 use super::substances::material;
 use super::text::{nearest, one_line};
 use glam::DVec3;
@@ -12,35 +12,56 @@ use std::collections::BTreeMap;
 
 /// The materials of a scene.
 #[derive(Default)]
-pub(super) struct Palette<'a> {
+pub(super) struct Palette {
     /// Indices by name.
-    names: BTreeMap<&'a str, usize>,
+    pub names: BTreeMap<String, usize>,
     /// The materials.
     pub materials: Vec<Substance>,
+    /// Pictures on each.
+    pub pictures: Vec<Pictures>,
     /// Index of the black of lights without a material, once there is one.
     black: Option<usize>,
 }
 
-impl<'a> Palette<'a> {
+impl Palette {
     /// Checks and adds a material.
     pub fn add(
         &mut self,
         document: &Document<'_>,
         path: &Path,
-        name: &'a str,
+        name: &str,
         table: &MaterialTable,
+        pictures: Pictures,
     ) -> Result<(), SceneError> {
-        self.names.insert(name, self.materials.len());
-        self.materials.push(material(document, &path.key(name), table)?);
+        let path = path.key(name);
+        if self.names.insert(name.to_string(), self.materials.len()).is_some() {
+            return Err(document.field_error(&path, "is there twice, here and in an included file; rename one"));
+        }
+        let material = material(document, &path, table)?;
+        if pictures.colour.is_some() && matches!(material, Substance::Dielectric(_)) {
+            return Err(document.field_error(&path.key("texture"), "means nothing for a dielectric; remove it"));
+        }
+        if pictures.roughness.is_some() && !matches!(material, Substance::Layered(_)) {
+            let problem = "means nothing for this kind; remove it, or use `kind = \"metallic-roughness\"`";
+            return Err(document.field_error(&path.key("roughness_texture"), problem));
+        }
+        self.push(material, pictures);
         Ok(())
     }
 
+    /// Adds a material without a name and returns its index.
+    pub fn push(&mut self, material: Substance, pictures: Pictures) -> usize {
+        self.materials.push(material);
+        self.pictures.push(pictures);
+        self.materials.len() - 1
+    }
+
     /// The index of the material that the field `path` names.
-    fn find(&self, document: &Document<'_>, path: &Path, name: &str) -> Result<usize, SceneError> {
+    pub fn find(&self, document: &Document<'_>, path: &Path, name: &str) -> Result<usize, SceneError> {
         if let Some(&index) = self.names.get(name) {
             return Ok(index);
         }
-        let meant = nearest(name, self.names.keys().copied());
+        let meant = nearest(name, self.names.keys().map(String::as_str));
         let meant = meant.map_or(String::new(), |name| format!(" (did you mean \"{}\"?)", one_line(name)));
         let known: Vec<String> = self.names.keys().map(|name| format!("\"{name}\"")).collect();
         let known = if known.is_empty() {
@@ -52,11 +73,12 @@ impl<'a> Palette<'a> {
     }
 
     /// The index of a material that reflects nothing.
-    fn black(&mut self) -> usize {
-        *self.black.get_or_insert_with(|| {
-            self.materials.push(Substance::Lambertian(DVec3::ZERO));
-            self.materials.len() - 1
-        })
+    pub fn black(&mut self) -> usize {
+        if let Some(black) = self.black {
+            return black;
+        }
+        let black = self.push(Substance::Lambertian(DVec3::ZERO), Pictures::default());
+        *self.black.insert(black)
     }
 }
 
@@ -65,7 +87,7 @@ pub(super) fn quad(
     document: &Document<'_>,
     path: &Path,
     table: &QuadTable,
-    palette: &mut Palette<'_>,
+    palette: &mut Palette,
 ) -> Result<Surface, SceneError> {
     let corner = vector(document, &path.key("corner"), table.corner)?;
     let edge = |key: &str, value| {
@@ -93,7 +115,7 @@ fn look(
     path: &Path,
     material: Option<&String>,
     radiance: Option<Numbers<3>>,
-    palette: &mut Palette<'_>,
+    palette: &mut Palette,
 ) -> Result<(usize, Option<DVec3>), SceneError> {
     let radiance = match radiance {
         Some(radiance) => Some(emission(document, &path.key("radiance"), radiance, "a radiance (W/sr/m²)")?),
@@ -107,7 +129,7 @@ fn look(
             return Err(document.field_error(path, problem));
         }
     };
-    if radiance.is_some() && !matches!(palette.materials[material], Substance::Lambertian(_) | Substance::Layered(_)) {
+    if radiance.is_some() && !palette.materials[material].may_emit() {
         let problem = "is a mirror or dielectric, but what emits must not be; choose another or remove `radiance`";
         return Err(document.field_error(&path.key("material"), problem));
     }
@@ -119,10 +141,30 @@ pub(super) fn sphere(
     document: &Document<'_>,
     path: &Path,
     table: &SphereTable,
-    palette: &mut Palette<'_>,
+    palette: &mut Palette,
 ) -> Result<Surface, SceneError> {
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
     let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
     Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance, object: 0, has_corners: false })
+}
+
+/// Checks a disc.
+pub(super) fn disc(
+    document: &Document<'_>,
+    path: &Path,
+    table: &DiscTable,
+    palette: &Palette,
+) -> Result<Surface, SceneError> {
+    let centre = vector(document, &path.key("centre"), table.centre)?;
+    let normal = vector(document, &path.key("normal"), table.normal)?;
+    if normal.length() < SHORTEST {
+        return Err(document.field_error(&path.key("normal"), "has no length; use [0, 1, 0], for example"));
+    }
+    let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
+    let material = palette.find(document, &path.key("material"), &table.material)?;
+    let edge_u = normal.normalize().any_orthonormal_vector() * (2.0 * radius);
+    let edge_v = normal.normalize().cross(edge_u);
+    let shape = Shape::Disc { corner: centre - (edge_u + edge_v) / 2.0, edge_u, edge_v };
+    Ok(Surface { shape, material, radiance: None, object: 0, has_corners: false })
 }

@@ -1,0 +1,119 @@
+//! Meshes: from the parts of models to triangles of a scene.
+
+use super::content::{Shape, Surface};
+use super::limits::MAX_SURFACES;
+use super::model::{Finish, Model, Part, Picture};
+use caustic_kernels::trace::vector::pack_direction;
+use caustic_kernels::trace::{Corners, Texel, Texture};
+use glam::DVec3;
+
+/// Twice the area of a triangle whose longest side is 1, below which it is none.
+const NO_AREA: f64 = 1e-10;
+/// 1 − cos of the angle up to which the normals at a triangle's corners are its own.
+const FLAT: f64 = 1e-8;
+/// Most texels of a scene: 2 GiB.
+const MAX_TEXELS: usize = 1 << 28;
+
+/// Surfaces, and what belongs to them, while a scene is put together.
+#[derive(Default)]
+pub(super) struct Assembly {
+    pub surfaces: Vec<Surface>,
+    pub corners: Vec<Corners>,
+    pub textures: Vec<Texture>,
+    pub texels: Vec<Texel>,
+    /// Triangles that were left out because they have no area.
+    pub degenerate: usize,
+    objects: u32,
+}
+
+/// How the triangles of a part look.
+#[derive(Clone, Copy)]
+pub(super) struct Look {
+    /// Index of the material.
+    pub material: usize,
+    /// Whether it has a picture, so that texture coordinates are needed.
+    pub textured: bool,
+    /// W·sr⁻¹·m⁻².
+    pub radiance: Option<DVec3>,
+    /// Whether triangles look as flat as they are.
+    pub flat: bool,
+}
+
+impl Assembly {
+    /// Adds a surface that is an object by itself.
+    pub fn add(&mut self, surface: Surface) {
+        self.objects += 1;
+        self.surfaces.push(Surface { object: self.objects, ..surface });
+    }
+
+    /// Adds a picture and returns its index.
+    pub fn add_picture(&mut self, picture: &Picture) -> Result<u32, String> {
+        if self.texels.len() + picture.texels.len() > MAX_TEXELS {
+            return Err(format!("makes more than {MAX_TEXELS} texels of pictures; use smaller ones"));
+        }
+        let first = self.texels.len() as u32;
+        self.texels.extend(&picture.texels);
+        self.textures.push(Texture { first, width: picture.width, height: picture.height, wrap: picture.wrap });
+        Ok(self.textures.len() as u32 - 1)
+    }
+
+    /// Adds the triangles of a part, which is an object.
+    pub fn add_part(&mut self, part: &Part, look: Look) -> Result<(), String> {
+        self.objects += 1;
+        let all = self.surfaces.len() + part.triangles.len();
+        if all > MAX_SURFACES {
+            return Err(format!(
+                "makes {all} surfaces, but a scene may have {MAX_SURFACES} at most; use a coarser mesh"
+            ));
+        }
+        let has_uv = look.textured && !part.uv.is_empty();
+        for triangle in &part.triangles {
+            let indices = triangle.map(|index| index as usize);
+            let corners = indices.map(|index| part.positions[index]);
+            let [a, b, c] = corners;
+            let normal = (b - a).cross(c - a);
+            let longest = (b - a).length_squared().max((c - b).length_squared()).max((a - c).length_squared());
+            if !(normal.length() > NO_AREA * longest) {
+                self.degenerate += 1;
+                continue;
+            }
+            let normal = normal.normalize();
+            let own = |index: usize| match part.normals.get(index) {
+                Some(given) if !look.flat && given.length() > 0.0 => given.normalize(),
+                _ => normal,
+            };
+            let normals = indices.map(own);
+            let has_corners = has_uv || normals.iter().any(|n| 1.0 - n.dot(normal) > FLAT);
+            if has_corners {
+                self.corners.push(Corners {
+                    normals: normals.map(|normal| pack_direction(normal.as_vec3())),
+                    uv: if has_uv { indices.map(|index| part.uv[index].map(|x| x as f32)) } else { [[0.0; 2]; 3] },
+                });
+            }
+            self.surfaces.push(Surface {
+                shape: Shape::Triangle { corners },
+                material: look.material,
+                radiance: look.radiance,
+                object: self.objects,
+                has_corners,
+            });
+        }
+        Ok(())
+    }
+
+    /// Puts surfaces with corners last, as the kernels want them.
+    pub fn sort(&mut self) {
+        self.surfaces.sort_by_key(|surface| surface.has_corners);
+    }
+}
+
+/// What a model has that is not rendered, in a sentence; or nothing.
+pub(super) fn left_out(file: &str, model: &Model) -> Option<String> {
+    let what: Vec<&str> = model.left_out.iter().map(String::as_str).collect();
+    (!what.is_empty()).then(|| format!("{file}: left out: {}", what.join("; ")))
+}
+
+/// What a finish emits.
+pub(super) fn emission(finish: &Finish) -> Option<DVec3> {
+    (finish.emission.max_element() >= 1e-9 && finish.emission.is_finite()).then_some(finish.emission)
+}
