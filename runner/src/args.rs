@@ -147,6 +147,10 @@ pub struct RenderArguments {
     /// Which part of the light to show.
     #[arg(long, value_enum, default_value_t)]
     pub show: ShowArgument,
+    /// Ends with exit code 1, after the picture is written, if the report has a problem: power that the energy ledger cannot account for,
+    /// numbers that are not finite, or paths that were given up.
+    #[arg(long)]
+    pub strict: bool,
     /// Prints nothing but errors.
     #[arg(long)]
     pub quiet: bool,

@@ -43,7 +43,17 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         value["settings"] = described.into_iter().collect();
         println!("{value:#}");
     }
-    if rendered.report.complete { Ok(()) } else { Err(Failure::interrupted(&arguments.output)) }
+    if !rendered.report.complete {
+        return Err(Failure::interrupted(&arguments.output));
+    }
+    match rendered.report.problems.first() {
+        Some(problem) if arguments.strict => Err(Failure::machine(format!(
+            "{} is written, but --strict was asked for and the render has {} problems, the first: {problem}",
+            arguments.output.display(),
+            rendered.report.problems.len()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The settings of the scene, with those of the command line in their place where given.
