@@ -34,27 +34,9 @@ pub(super) fn validate(
     let defaults = render(document, &file.render)?;
     let mut builder = Builder::default();
     builder.add(document, file, 0)?;
-    let Builder { palette, mut assembly, points, suns, mut notes, .. } = builder;
-    assembly.sort();
-    if assembly.degenerate > 0 {
-        notes.push(format!("{} triangles have no area and were left out", assembly.degenerate));
-    }
-    let Assembly { surfaces, corners, textures, texels, .. } = assembly;
-    let names = palette.names.into_iter().collect();
-    let (materials, pictures) = (palette.materials, palette.pictures);
-    let content = Content {
-        camera,
-        origin: DVec3::ZERO,
-        names,
-        materials,
-        pictures,
-        surfaces,
-        corners,
-        textures,
-        texels,
-        points,
-        suns,
-    };
+    let Builder { palette, assembly, points, suns, mut notes, .. } = builder;
+    let (content, note) = assembly.finish(camera, palette, points, suns);
+    notes.extend(note);
     whole_scene(document, &content)?;
     Ok((defaults, content.localised(), notes))
 }
