@@ -115,6 +115,8 @@ pub enum SceneCommand {
         #[arg(long)]
         json: bool,
     },
+    /// Prints the JSON schema of scene files, for editors.
+    Schema,
     /// Says what a scene holds, and what in it may be wrong, each with a remedy.
     Check {
         /// A built-in scene, a scene file or a model (.ply, .obj, .gltf, .glb).
@@ -191,6 +193,10 @@ pub struct RenderArguments {
     /// same bits everywhere.
     #[arg(long)]
     pub denoise: bool,
+    /// Ends with exit code 1, after the picture is written, if the report has a problem: power that the energy ledger cannot account for,
+    /// numbers that are not finite, or paths that were given up.
+    #[arg(long)]
+    pub strict: bool,
     /// Prints nothing but errors.
     #[arg(long)]
     pub quiet: bool,

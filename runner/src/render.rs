@@ -85,7 +85,17 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         value["settings"] = metadata.settings.into_iter().collect();
         println!("{value:#}");
     }
-    if rendered.report.complete { Ok(()) } else { Err(Failure::interrupted(&arguments.output, rendered.report.passes)) }
+    if !rendered.report.complete {
+        return Err(Failure::interrupted(&arguments.output, rendered.report.passes));
+    }
+    match rendered.report.problems.first() {
+        Some(problem) if arguments.strict => Err(Failure::machine(format!(
+            "{} is written, but --strict was asked for and the render has {} problems, the first: {problem}",
+            arguments.output.display(),
+            rendered.report.problems.len()
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// The settings of the scene, with those of the command line in their place where given.

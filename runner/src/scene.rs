@@ -10,6 +10,10 @@ use std::path::Path;
 pub fn run(command: &SceneCommand) -> Result<(), Failure> {
     match command {
         SceneCommand::List { json } => list(*json),
+        SceneCommand::Schema => {
+            print!("{}", Scene::schema());
+            Ok(())
+        }
         SceneCommand::Check { scene, json } => check(scene, *json),
         SceneCommand::Convert { scene, output } => convert(scene, output),
     }

@@ -198,4 +198,23 @@ mod tests {
         assert_eq!((ledger.imbalance, ledger.standard_error), (0.25, (15.0f64 / 16.0 / 8.0).sqrt()));
         assert_eq!((ledger.paths, ledger.not_finite), (8, 2));
     }
+
+    /// A ledger that cannot fail says nothing: a wall whose photons survive always, and yet carry on as if only four of five did, takes
+    /// light away.
+    #[test]
+    fn a_wrong_roulette_shows() {
+        let device = Device::cpu();
+        let mut scene = crate::scene::Scene::load("cornell").unwrap().compile();
+        let kind = crate::photons::PassKind::global(20_000, crate::Show::Beauty);
+        let ledger = |scene: &crate::scene::CompiledScene| {
+            let buffers = crate::SceneBuffers::new(&device, scene).unwrap();
+            let (_, report) = crate::photons::trace(&device, scene, &buffers, 0, &kind, &mut |_| true).unwrap();
+            report.ledger
+        };
+        assert_eq!(problems("global", &ledger(&scene)), [""; 0]);
+        for material in &mut scene.materials {
+            material.survival = 1.25;
+        }
+        assert_eq!(problems("global", &ledger(&scene)).len(), 1);
+    }
 }

@@ -14,11 +14,17 @@ pub struct BuiltIn {
 /// All of them; the first is what the program renders when it is told nothing.
 pub const BUILT_IN: &[BuiltIn] = &[
     BuiltIn { name: "cornell", text: include_str!("../../scenes/cornell.toml") },
+    BuiltIn { name: "cornell-coated", text: include_str!("../../scenes/cornell-coated.toml") },
+    BuiltIn { name: "cornell-glossy", text: include_str!("../../scenes/cornell-glossy.toml") },
     BuiltIn { name: "furnace", text: include_str!("../../scenes/furnace.toml") },
     BuiltIn { name: "hall", text: include_str!("../../scenes/hall.toml") },
+    BuiltIn { name: "lamps", text: include_str!("../../scenes/lamps.toml") },
     BuiltIn { name: "landscape", text: include_str!("../../scenes/landscape.toml") },
     BuiltIn { name: "micro", text: include_str!("../../scenes/micro.toml") },
     BuiltIn { name: "plane", text: include_str!("../../scenes/plane.toml") },
+    BuiltIn { name: "ring", text: include_str!("../../scenes/ring.toml") },
+    BuiltIn { name: "pool", text: include_str!("../../scenes/pool.toml") },
+    BuiltIn { name: "water", text: include_str!("../../scenes/water.toml") },
 ];
 
 impl BuiltIn {

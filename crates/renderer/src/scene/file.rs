@@ -1,12 +1,14 @@
 //! The TOML format, field by field, before anything is checked. docs/scene-format.md is its reference for users.
 
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, SeqAccess, Visitor};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 
 /// A scene file.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SceneFile {
     /// What the scene shows, in one line.
@@ -44,7 +46,7 @@ pub(super) struct SceneFile {
 }
 
 /// `[camera]`: a pinhole camera, or one with a thin lens.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraTable {
     /// Where it stands, m.
@@ -62,7 +64,7 @@ pub(super) struct CameraTable {
 }
 
 /// `[render]`: defaults for the settings of a render.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct RenderTable {
     /// Width and height of the picture, pixels.
@@ -80,7 +82,7 @@ pub(super) struct RenderTable {
 }
 
 /// `[materials.NAME]`: what a surface does with light.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MaterialTable {
     /// Which kind it is.
@@ -103,7 +105,7 @@ pub(super) struct MaterialTable {
 }
 
 /// The kinds of materials.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum MaterialKind {
     /// Reflects evenly in all directions.
@@ -121,7 +123,7 @@ pub(super) enum MaterialKind {
 }
 
 /// `[[quads]]`: a parallelogram, whose front is the side to which `edge_u` × `edge_v` points.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct QuadTable {
     /// What messages call it.
@@ -139,7 +141,7 @@ pub(super) struct QuadTable {
 }
 
 /// `[[spheres]]`: a sphere.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SphereTable {
     /// What messages call it.
@@ -155,7 +157,7 @@ pub(super) struct SphereTable {
 }
 
 /// `[[discs]]`: a disc.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct DiscTable {
     /// What messages call it.
@@ -171,7 +173,7 @@ pub(super) struct DiscTable {
 }
 
 /// `[[meshes]]`: triangles, from a file or given here.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct MeshTable {
     /// What messages and instances call it.
@@ -201,7 +203,7 @@ pub(super) struct MeshTable {
 }
 
 /// `[[instances]]`: a mesh once more, elsewhere.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct InstanceTable {
     /// What messages call it.
@@ -215,7 +217,7 @@ pub(super) struct InstanceTable {
 }
 
 /// `place`: scaled, then turned about x, y and z in this order, then moved; or a matrix.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct PlaceTable {
     /// m.
@@ -229,11 +231,11 @@ pub(super) struct PlaceTable {
 }
 
 /// Three rows of a matrix.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 pub(super) struct Rows(pub [Numbers<4>; 3]);
 
 /// `[[lights]]`: a light that is not a surface.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct LightTable {
     /// What messages call it.
@@ -255,7 +257,7 @@ pub(super) struct LightTable {
 }
 
 /// The kinds of lights that are not surfaces.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(super) enum LightKind {
     /// Shines evenly in all directions.
@@ -293,5 +295,19 @@ impl<'de, const N: usize> Deserialize<'de> for Numbers<N> {
             }
         }
         deserializer.deserialize_seq(Exactly)
+    }
+}
+
+impl<const N: usize> JsonSchema for Numbers<N> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("Numbers{N}").into()
+    }
+
+    fn inline_schema() -> bool {
+        true
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "array", "items": { "type": "number" }, "minItems": N, "maxItems": N })
     }
 }

@@ -1,7 +1,7 @@
 //! A model file as a scene: with its own camera and lights, or with ones that show it.
 
 use super::check::SHORTEST;
-use super::content::{Content, Glass, Layers, NOTHING, Shape, Substance, Surface, Viewpoint};
+use super::content::{Glass, Layers, NOTHING, Shape, Substance, Surface, Viewpoint};
 use super::error::SceneError;
 use super::limits::MAX_LIGHTS;
 use super::meshes::{self, Assembly, Look};
@@ -48,9 +48,6 @@ pub(super) fn scene(path: &Path) -> Result<Scene, SceneError> {
     let mut palette = Palette::default();
     let mut assembly = Assembly::default();
     add(&model, &mut palette, &mut assembly).map_err(refuse)?;
-    if assembly.degenerate > 0 {
-        notes.push(format!("{} triangles have no area and were left out", assembly.degenerate));
-    }
     let (low, high) =
         assembly.surfaces.iter().map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)));
     let (centre, radius) = ((low + high) / 2.0, (high - low).length() / 2.0);
@@ -81,22 +78,8 @@ pub(super) fn scene(path: &Path) -> Result<Scene, SceneError> {
             framed(centre, radius)
         }
     };
-    assembly.sort();
-    let Assembly { surfaces, corners, textures, texels, .. } = assembly;
-    let (materials, pictures) = (palette.materials, palette.pictures);
-    let content = Content {
-        camera,
-        origin: DVec3::ZERO,
-        names: Vec::new(),
-        materials,
-        pictures,
-        surfaces,
-        corners,
-        textures,
-        texels,
-        points,
-        suns,
-    };
+    let (content, note) = assembly.finish(camera, palette, points, suns);
+    notes.extend(note);
     Ok(Scene {
         name: load::stem(&name),
         description: format!("the model {}", one_line(&name)),

@@ -1,8 +1,9 @@
 //! Meshes: from the parts of models to triangles of a scene.
 
-use super::content::{Shape, Surface};
+use super::content::{Content, PointLight, Shape, Sun, Surface, Viewpoint};
 use super::limits::MAX_SURFACES;
 use super::model::{Finish, Model, Part, Picture};
+use super::surfaces::Palette;
 use caustic_kernels::trace::vector::pack_direction;
 use caustic_kernels::trace::{Corners, Texel, Texture};
 use glam::DVec3;
@@ -22,7 +23,7 @@ pub(super) struct Assembly {
     pub textures: Vec<Texture>,
     pub texels: Vec<Texel>,
     /// Triangles that were left out because they have no area.
-    pub degenerate: usize,
+    degenerate: usize,
     objects: u32,
 }
 
@@ -101,9 +102,31 @@ impl Assembly {
         Ok(())
     }
 
-    /// Puts surfaces with corners last, as the kernels want them.
-    pub fn sort(&mut self) {
+    /// The scene of these surfaces, those with corners last as the kernels want them, and what is worth a note.
+    pub fn finish(
+        mut self,
+        camera: Viewpoint,
+        palette: Palette,
+        points: Vec<PointLight>,
+        suns: Vec<Sun>,
+    ) -> (Content, Option<String>) {
         self.surfaces.sort_by_key(|surface| surface.has_corners);
+        let count = self.degenerate;
+        let note = (count > 0).then(|| format!("{count} triangles have no area and were left out"));
+        let content = Content {
+            camera,
+            origin: DVec3::ZERO,
+            names: palette.names.into_iter().collect(),
+            materials: palette.materials,
+            pictures: palette.pictures,
+            surfaces: self.surfaces,
+            corners: self.corners,
+            textures: self.textures,
+            texels: self.texels,
+            points,
+            suns,
+        };
+        (content, note)
     }
 }
 

@@ -115,6 +115,12 @@ impl Scene {
         })
     }
 
+    /// The JSON schema of scene files, made from the types that read them: docs/scene.schema.json.
+    #[must_use]
+    pub fn schema() -> String {
+        format!("{:#}\n", schemars::schema_for!(file::SceneFile).to_value())
+    }
+
     /// The camera for a picture of `width` × `height` pixels, each at least 1.
     #[must_use]
     pub fn camera(&self, width: u32, height: u32) -> Camera {

@@ -276,6 +276,12 @@ fn no_text_makes_it_panic() {
     assert!(Scene::parse("long.toml", &format!("{} = 1", "x".repeat(1 << 20))).is_err());
 }
 
+/// `caustic scene schema > docs/scene.schema.json` makes it anew.
+#[test]
+fn the_schema_in_the_docs_is_that_of_the_types() {
+    assert_eq!(include_str!("../../../../docs/scene.schema.json"), Scene::schema());
+}
+
 #[test]
 fn the_example_of_the_reference_is_a_scene() {
     let reference = include_str!("../../../../docs/scene-format.md");

@@ -34,27 +34,9 @@ pub(super) fn validate(
     let defaults = render(document, &file.render)?;
     let mut builder = Builder::default();
     builder.add(document, file, 0)?;
-    let Builder { palette, mut assembly, points, suns, mut notes, .. } = builder;
-    assembly.sort();
-    if assembly.degenerate > 0 {
-        notes.push(format!("{} triangles have no area and were left out", assembly.degenerate));
-    }
-    let Assembly { surfaces, corners, textures, texels, .. } = assembly;
-    let names = palette.names.into_iter().collect();
-    let (materials, pictures) = (palette.materials, palette.pictures);
-    let content = Content {
-        camera,
-        origin: DVec3::ZERO,
-        names,
-        materials,
-        pictures,
-        surfaces,
-        corners,
-        textures,
-        texels,
-        points,
-        suns,
-    };
+    let Builder { palette, assembly, points, suns, mut notes, .. } = builder;
+    let (content, note) = assembly.finish(camera, palette, points, suns);
+    notes.extend(note);
     whole_scene(document, &content)?;
     Ok((defaults, content.localised(), notes))
 }
@@ -220,7 +202,7 @@ impl Builder {
             let own = if material.is_none() { meshes::emission(&model.finishes[finish]) } else { None };
             let radiance = radiance.or(own);
             let textured = palette.pictures[index].any();
-            if textured && part.uv.is_empty() {
+            if material.is_some() && textured && part.uv.is_empty() {
                 let problem =
                     "has a material with a texture, but no texture coordinates; add them or use another material";
                 return Err(document.field_error(path, problem));

@@ -177,7 +177,11 @@ impl File<'_> {
         if !place.is_finite() {
             return Err(format!("has node {} at a place that is no number; export it again", node.index()));
         }
-        if let Some(mesh) = node.mesh() {
+        let flattened = place.matrix3.determinant() == 0.0;
+        if flattened && node.mesh().is_some() {
+            self.left_out("meshes that their nodes scale to nothing");
+        }
+        if let Some(mesh) = node.mesh().filter(|_| !flattened) {
             if node.skin().is_some() || mesh.weights().is_some() {
                 self.left_out("skins and morph targets: meshes are as they were modelled");
             }
