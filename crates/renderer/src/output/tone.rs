@@ -34,8 +34,8 @@ impl Display {
     #[must_use]
     pub fn codes(&self, rgb: [f32; 3]) -> [u8; 3] {
         let gain = f64::from(self.exposure).exp2();
-        // `max` makes 0 of what is not a number.
-        let light = rgb.map(|x| (f64::from(x) * gain).max(0.0).min(f64::from(f32::MAX)));
+        // What is not a number is not above 0.
+        let light = rgb.map(|x| if x > 0.0 { (f64::from(x) * gain).min(f64::from(f32::MAX)) } else { 0.0 });
         match self.tone {
             ToneMap::None => light.map(encode_srgb),
             ToneMap::Reinhard => reinhard(light).map(encode_srgb),
