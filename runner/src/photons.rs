@@ -133,7 +133,7 @@ struct Stats<'a> {
     /// Corners of the box around the photons in the scene's coordinates, m.
     low: [f64; 3],
     high: [f64; 3],
-    /// Of the map that a render builds of the photons.
+    /// Of a map of the photons. A render's own may have cells of another width, since it looks at other samples of them: `render --json` tells of that.
     hash: Option<Health>,
 }
 

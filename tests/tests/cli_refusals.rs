@@ -132,10 +132,10 @@ fn bad_outputs_are_refused() {
     fs::create_dir(folder.path().join("folder.png")).expect("a folder");
     fs::write(folder.path().join("file"), "").expect("a file");
     for (name, words) in [
-        ("a.jpg", &["a.jpg", ".png or .exr"][..]),
-        ("a", &["`a`", ".png or .exr"]),
-        (".png", &[".png or .exr"]),
-        (".", &[".png or .exr"]),
+        ("a.jpg", &["a.jpg", ".png, .exr or .hdr"][..]),
+        ("a", &["`a`", ".png, .exr or .hdr"]),
+        (".png", &[".png, .exr or .hdr"]),
+        (".", &[".png, .exr or .hdr"]),
         ("none/a.png", &["`none` does not exist", "create it"]),
         ("file/a.png", &["`file` is not a folder"]),
         ("folder.png", &["folder.png", "is a folder"]),

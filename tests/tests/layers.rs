@@ -71,7 +71,7 @@ fn depth_normal_and_albedo_of_a_plane_are_those_of_geometry() {
         let found = f64::from(depth[pixel as usize]);
         assert!((found - expected).abs() < 0.01, "pixel {pixel}: {found} and not {expected}");
     }
-    for rgb in layer(&rendered, LayerKind::Albedo).iter() {
+    for rgb in layer(&rendered, LayerKind::Albedo) {
         assert!((f64::from(*rgb) - REFLECTANCE).abs() < 1e-6, "{rgb}");
     }
     for normal in layer(&rendered, LayerKind::Normal).chunks(3) {

@@ -10,8 +10,9 @@ const MOST: f32 = 1.69e38;
 
 /// The bytes of a Radiance HDR file.
 pub(super) fn encode(image: &Image) -> Result<Vec<u8>, String> {
-    // `max` makes 0 of what is not a number.
-    let pixels: Vec<Rgb<f32>> = image.rgb.iter().map(|rgb| Rgb(rgb.map(|x| x.max(0.0).min(MOST)))).collect();
+    // What is not a number is not above 0.
+    let stored = |x: f32| if x > 0.0 { x.min(MOST) } else { 0.0 };
+    let pixels: Vec<Rgb<f32>> = image.rgb.iter().map(|rgb| Rgb(rgb.map(stored))).collect();
     let mut bytes = Vec::new();
     HdrEncoder::new(&mut bytes)
         .encode(&pixels, image.width as usize, image.height as usize)
