@@ -67,7 +67,7 @@ fn strides_of_two_sectors_cost_a_sector_a_lane() {
         let totals = device.buffer::<u32>("totals", 1).unwrap();
         plan.groups(Kernel::ScanRows, 1, &[&params, &input, &sums, &totals]);
     });
-    // 8 warps, 16 elements a lane; the input is read twice. 32 words of 4 bytes fit 4 sectors.
+    // 8 warps, 16 elements a lane. 32 words of 4 bytes fit 4 sectors.
     let of = |requests: u64| Counts {
         requests,
         sectors: 32 * requests,
@@ -76,7 +76,7 @@ fn strides_of_two_sectors_cost_a_sector_a_lane() {
         uncoalesced_requests: requests,
         bytes: 128 * requests,
     };
-    assert_eq!(counts(&scanned, "input"), of(2 * 8 * 16));
+    assert_eq!(counts(&scanned, "input"), of(8 * 16));
     assert_eq!(counts(&scanned, "sums"), of(8 * 16));
     // One lane writes one word.
     let one = Counts { requests: 1, sectors: 1, minimum: 1, excess: 0, uncoalesced_requests: 0, bytes: 4 };

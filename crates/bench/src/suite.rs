@@ -14,6 +14,10 @@ pub const CPU_MAX_N: u32 = 10_000_000;
 /// The largest N of a quick run.
 pub const QUICK_N: u32 = 1 << 16;
 
+/// How long a GPU's clock may take to rise: an H100 ran whole rows at down to a fourth of its speed, 21 runs of a millisecond after the host
+/// had checked large results.
+const WARM_FOR: Duration = Duration::from_millis(300);
+
 /// What to measure, and how often.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
@@ -155,6 +159,7 @@ fn measure(
     let policy = Policy {
         repeat: options.repeat as usize,
         warm_up: if device.is_gpu() { 3 } else { 1 },
+        warm_for: if device.is_gpu() && !device.is_software_gpu() { WARM_FOR } else { Duration::ZERO },
         budget: Duration::from_secs_f64(options.budget_s),
         least: if options.quick { 3 } else { 5 },
     };

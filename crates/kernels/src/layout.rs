@@ -21,10 +21,9 @@ pub struct Photon {
 
 /// Four words that a GPU loads at once.
 #[cfg(target_arch = "spirv")]
-pub type Quad = glam::UVec4;
-/// Four words that a GPU loads at once.
+type Quad = glam::UVec4;
 #[cfg(not(target_arch = "spirv"))]
-pub type Quad = [u32; 4];
+type Quad = [u32; 4];
 
 #[inline]
 fn quad(a: u32, b: u32, c: u32, d: u32) -> Quad {
@@ -72,17 +71,13 @@ impl Site {
     }
 }
 
-/// What a photon of a map brings, read of those that count: its power ΔΦ in fixed point (see [`Limbs`](crate::num::Limbs)), and its
-/// direction of travel. Of the 66 bits of each channel the highest 42 lie in the first quad, which is all that a sum has to read
-/// where no photon of the map has others.
+/// What a photon of a map brings, read of those that count: its power ΔΦ in fixed point (see [`Limbs`](crate::num::Limbs)), a
+/// quad for each limb, and its direction of travel.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Arrival {
-    /// The highest 32 bits of each channel, and the next ten of all three.
     high: Quad,
-    /// Direction and primitive.
     middle: Quad,
-    /// The lowest 24 bits of each channel.
     low: Quad,
 }
 
@@ -92,13 +87,10 @@ impl Arrival {
     #[inline]
     #[must_use]
     pub fn new(red: [u32; 3], green: [u32; 3], blue: [u32; 3], direction: u32, primitive: u32) -> Self {
-        let top = |limbs: [u32; 3]| (limbs[0] << 10) | (limbs[1] >> 12);
-        let ten = |limbs: [u32; 3]| (limbs[1] >> 2) & 0x3ff;
-        let low = |limbs: [u32; 3]| ((limbs[1] & 3) << 22) | limbs[2];
         Self {
-            high: quad(top(red), top(green), top(blue), ten(red) | (ten(green) << 10) | (ten(blue) << 20)),
-            middle: quad(direction, primitive, 0, 0),
-            low: quad(low(red), low(green), low(blue), 0),
+            high: quad(red[0], green[0], blue[0], direction),
+            middle: quad(red[1], green[1], blue[1], primitive),
+            low: quad(red[2], green[2], blue[2], 0),
         }
     }
 
@@ -106,43 +98,22 @@ impl Arrival {
     #[inline]
     #[must_use]
     pub fn limbs(self) -> [[u32; 3]; 3] {
-        let (top, ten) = high_parts(self.high);
-        let low = self.low_parts();
-        let middle = |top: u32, ten: u32, low: u32| ((top & 0x3ff) << 12) | (ten << 2) | (low >> 22);
-        [
-            [top[0] >> 10, top[1] >> 10, top[2] >> 10],
-            [middle(top[0], ten[0], low[0]), middle(top[1], ten[1], low[1]), middle(top[2], ten[2], low[2])],
-            [low[0] & 0x003f_ffff, low[1] & 0x003f_ffff, low[2] & 0x003f_ffff],
-        ]
-    }
-
-    /// The highest 42 bits of each channel, for [`high_parts`]: what a sum is sure to need of a photon that counts.
-    #[inline]
-    #[must_use]
-    pub fn ahead(&self) -> Quad {
-        self.high
-    }
-
-    /// The lowest 24 bits of each channel.
-    #[inline]
-    #[must_use]
-    pub fn low_parts(&self) -> [u32; 3] {
-        let [red, green, blue, _] = words(self.low);
-        [red, green, blue]
+        let (high, middle, low) = (words(self.high), words(self.middle), words(self.low));
+        [[high[0], high[1], high[2]], [middle[0], middle[1], middle[2]], [low[0], low[1], low[2]]]
     }
 
     /// Direction of travel.
     #[inline]
     #[must_use]
     pub fn direction(self) -> u32 {
-        words(self.middle)[0]
+        words(self.high)[3]
     }
 
     /// Index of the primitive it arrived on.
     #[inline]
     #[must_use]
     pub fn primitive(self) -> u32 {
-        words(self.middle)[1]
+        words(self.middle)[3]
     }
 
     /// The same with the normal of the side on which it arrived, packed like its direction.
@@ -159,14 +130,6 @@ impl Arrival {
     pub fn side(self) -> u32 {
         words(self.low)[3]
     }
-}
-
-/// The highest 32 bits of each channel, and the next ten, of what [`Arrival::ahead`] gave.
-#[inline]
-#[must_use]
-pub fn high_parts(ahead: Quad) -> ([u32; 3], [u32; 3]) {
-    let [red, green, blue, tens] = words(ahead);
-    ([red, green, blue], [tens & 0x3ff, (tens >> 10) & 0x3ff, tens >> 20])
 }
 
 /// A point at which photons are sought.

@@ -126,11 +126,11 @@ macro_rules! stages {
                 5 reaches: In Reach, 6 vertices: In Vertex, 7 primitives: In Primitive, 8 sites: In Site,
                 9 arrivals: In Arrival, 10 begins: In u32, 11 power: In u32, 12 irradiance: Out Irradiance
             ) = gather::gather_filtered[false, _];
-            columns(Columns) NeighboursHistogram = neighbours_histogram [64] (
+            columns(WideColumns) NeighboursHistogram = neighbours_histogram [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
             ) = gather::gather_neighbours_by_counting[true, _, _, _];
-            columns(Columns) NeighboursHistogramHashed = neighbours_histogram_hashed [64] (
+            columns(WideColumns) NeighboursHistogramHashed = neighbours_histogram_hashed [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 unordered: Out Neighbour, 8 counts: Out u32, 9 windows: Out u32
             ) = gather::gather_neighbours_by_counting[false, _, _, _];

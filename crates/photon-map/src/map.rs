@@ -9,7 +9,7 @@ use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MAX_K, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, GatherParams};
-use caustic_kernels::grid::{BEGINS_BLOCK, BLOCK_POWERS, GRID_BLOCK, Grid, HASH_LINEAR, Row};
+use caustic_kernels::grid::{BEGINS_BLOCK, GRID_BLOCK, Grid, HASH_LINEAR, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 
 /// A photon map on a device.
@@ -78,11 +78,11 @@ impl PhotonMap {
         let grid_buffer = device.upload("map: grid", &[grid])?;
         let rows = device.upload("map: rows", rows)?;
         let keys = device.scratch::<u32>("sort: keys", u64::from(count))?;
-        let powers = device.scratch::<u32>("map: powers", u64::from(BLOCK_POWERS) * u64::from(blocks))?;
+        let powers = device.scratch::<u32>("map: powers", 3 * u64::from(blocks))?;
         plan.groups(Kernel::HashPhotons, blocks, &[&grid_buffer, unsorted, &keys, &powers]);
         let sorted = RadixSort::plan(device, plan, &keys, count, key_bits(&grid))?;
         let begins = device.scratch::<u32>("map: cell begins", u64::from(grid.table) + 1)?;
-        let power = device.scratch::<u32>("map: power", 4)?;
+        let power = device.scratch::<u32>("map: power", 3)?;
         let entries = (grid.table + 1).div_ceil(BEGINS_BLOCK);
         plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
         let sites = device.scratch::<Site>("map: sites", u64::from(count))?;

@@ -5,7 +5,7 @@
 pub const COLUMN_LANES: u32 = 64;
 /// Bins of a count, two to a word.
 pub(crate) const BINS: u32 = 32;
-/// Words of a lane for counters.
+/// Words of a lane for counters, or for a list.
 pub(super) const WORDS: u32 = 16;
 /// Most that a bin counts. More is not asked for.
 const MOST: u32 = 0xffff;
@@ -23,14 +23,14 @@ pub(super) fn at(word: u32, lane: u32) -> usize {
 
 /// The count of a bin.
 #[inline]
-pub(super) fn count_of<const N: usize>(memory: &[u32; N], lane: u32, bin: u32) -> u32 {
-    (memory[at(bin % WORDS, lane)] >> (bin & WORDS)) & MOST
+pub(super) fn count_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, bin: u32) -> u32 {
+    (memory[at(from + bin % WORDS, lane)] >> (bin & WORDS)) & MOST
 }
 
 /// Counts one more, unless that is too many for a bin; returns how many.
 #[inline]
-pub(crate) fn count<const N: usize>(memory: &mut [u32; N], lane: u32, bin: u32) -> u32 {
-    let word = at(bin % WORDS, lane);
+pub(crate) fn count<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32, bin: u32) -> u32 {
+    let word = at(from + bin % WORDS, lane);
     let shift = bin & WORDS;
     let counts = memory[word];
     if (counts >> shift) & MOST == MOST {
@@ -41,25 +41,25 @@ pub(crate) fn count<const N: usize>(memory: &mut [u32; N], lane: u32, bin: u32) 
 }
 
 #[inline]
-pub(crate) fn clear<const N: usize>(memory: &mut [u32; N], lane: u32) {
+pub(crate) fn clear<const N: usize>(memory: &mut [u32; N], lane: u32, from: u32) {
     let mut word = 0;
     while word < WORDS {
-        memory[at(word, lane)] = 0;
+        memory[at(from + word, lane)] = 0;
         word += 1;
     }
 }
 
-/// The bin that holds the `rank`-th of what was counted (from 1; [`BINS`] if there are fewer), how many are in bins before it, and how
-/// many in it.
+/// The bin that holds the `rank`-th of what was counted from word `from` on (from 1; [`BINS`] if there are fewer), how many are in bins before it,
+/// and how many in it.
 #[inline]
-pub(crate) fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, rank: u32) -> (u32, u32, u32) {
+pub(crate) fn bin_of<const N: usize>(memory: &[u32; N], lane: u32, from: u32, rank: u32) -> (u32, u32, u32) {
     let mut bin = 0;
     let mut before = 0;
-    let mut inside = count_of(memory, lane, 0);
+    let mut inside = count_of(memory, lane, from, 0);
     while bin < BINS && before + inside < rank {
         before += inside;
         bin += 1;
-        inside = if bin < BINS { count_of(memory, lane, bin) } else { 0 };
+        inside = if bin < BINS { count_of(memory, lane, from, bin) } else { 0 };
     }
     (bin, before, inside)
 }

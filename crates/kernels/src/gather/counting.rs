@@ -8,13 +8,12 @@
 //! Source: selection by distribution counting (Alabi et al., "Fast k-Selection Algorithms for Graphics Processing Units",
 //! 2012), here over cells that are walked again and not over a list.
 
-use super::bins::Columns;
+use super::bins::{Columns, WORDS, at};
 use super::estimate::over_disc;
 use super::kth::find;
-use super::last::Last;
-use super::power::{Power, is_wide};
+use super::power::Power;
 use super::seen::Seen;
-use super::{CUT_SHORT, Candidates, GatherParams, search};
+use super::{CUT_SHORT, Candidates, GatherParams, distance2, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
 use crate::layout::{Arrival, Irradiance, Query, Site};
@@ -41,14 +40,14 @@ pub(super) fn is_before(bits: u32, slot: u32, place: Place, sites: &Input<Site>)
 
 /// Sums the power of the candidates before a place, and lists those from there on up to an end.
 struct Collect {
+    lane: u32,
     from: Place,
     end: u32,
     power: Power,
-    wide: bool,
-    last: Last,
+    len: u32,
 }
 
-impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for Collect {
+impl<const N: usize, O: ?Sized> Candidates<[u32; N], Input<Arrival>, O> for Collect {
     const SHORT: bool = true;
 
     #[inline]
@@ -59,7 +58,7 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for Collect {
     #[inline]
     fn offer(
         &mut self,
-        _memory: &mut M,
+        memory: &mut [u32; N],
         _output: &mut O,
         distance2: f32,
         slot: u32,
@@ -67,11 +66,42 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for Collect {
         arrivals: &Input<Arrival>,
     ) {
         if is_before(distance2.to_bits(), slot, self.from, sites) {
-            self.power.add_at(arrivals, slot, self.wide);
-        } else {
-            self.last.add(slot);
+            self.power.add(arrivals[slot as usize]);
+        } else if self.len < WORDS {
+            memory[at(self.len, self.lane)] = slot;
+            self.len += 1;
         }
     }
+}
+
+/// The first in order of the `len` candidates that are listed in a lane's column from `word` on; it is taken out by putting the
+/// last in its place.
+#[inline]
+pub(super) fn take_first<const N: usize>(
+    memory: &mut [u32; N],
+    lane: u32,
+    word: u32,
+    len: u32,
+    position: [f32; 3],
+    sites: &Input<Site>,
+) -> (Place, u32) {
+    let mut first = Place::ALL;
+    let mut slot = 0;
+    let mut n = word;
+    let mut taken = word;
+    while n < word + len {
+        let other = memory[at(n, lane)];
+        let site = sites[other as usize];
+        let bits = distance2(position, site.position()).to_bits();
+        if bits < first.bits || (bits == first.bits && site.photon() < first.index) {
+            first = Place { bits, index: site.photon() };
+            slot = other;
+            taken = n;
+        }
+        n += 1;
+    }
+    memory[at(taken, lane)] = memory[at(word + len - 1, lane)];
+    (first, slot)
 }
 
 /// Irradiance at the `i`-th query: [`gather_irradiance`](super::gather_irradiance) without a container.
@@ -117,11 +147,11 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
     );
     let counted = if found.enough { params.k } else { found.before };
     let mut collect = Collect {
+        lane,
         from: if found.enough { Place { bits: found.bins.first, index: found.index } } else { Place::ALL },
         end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
         power: Power::new(),
-        wide: is_wide(power),
-        last: Last::new(),
+        len: 0,
     };
     let mut whole = found.whole;
     if seen.is_whole() {
@@ -134,12 +164,12 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
     // Those of the list up to the last, which the disc reaches to.
     let mut last = collect.from;
     let mut n = 0;
-    while n < found.rank && collect.last.len > 0 {
-        let (first, slot) = collect.last.take_first(position, sites);
+    while n < found.rank && n < collect.len {
+        let (first, slot) = take_first(memory, lane, 0, collect.len - n, position, sites);
         last = first;
         n += 1;
         if n < found.rank {
-            collect.power.add_at(arrivals, slot, collect.wide);
+            collect.power.add(arrivals[slot as usize]);
         }
     }
     let radius2 = if found.enough { f32::from_bits(last.bits) } else { grid.radius2 };

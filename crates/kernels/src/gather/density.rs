@@ -1,18 +1,18 @@
 //! The estimate from all photons within the radius.
 
 use super::estimate::over_disc;
-use super::power::{Power, SETTLE_AFTER, is_wide};
+use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
-use crate::layout::{Arrival, Irradiance, Quad, Query, Site};
+use crate::layout::{Arrival, Irradiance, Query, Site};
+use crate::num::MAX_TERMS;
 
 /// Sums the power of every candidate.
 struct All {
     radius2: f32,
     power: Power,
-    wide: bool,
-    /// What has left the sum of each channel.
+    /// What has left the highest limb of each channel.
     above: [u32; 3],
     photons: u32,
 }
@@ -26,26 +26,7 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for All {
     }
 
     #[inline]
-    fn ahead(arrivals: &Input<Arrival>, slot: u32) -> Quad {
-        arrivals[slot as usize].ahead()
-    }
-
-    #[inline]
     fn offer(
-        &mut self,
-        memory: &mut M,
-        output: &mut O,
-        distance2: f32,
-        slot: u32,
-        sites: &Input<Site>,
-        arrivals: &Input<Arrival>,
-    ) {
-        let ahead = arrivals[slot as usize].ahead();
-        self.offer_ahead(memory, output, distance2, slot, sites, arrivals, ahead);
-    }
-
-    #[inline]
-    fn offer_ahead(
         &mut self,
         _memory: &mut M,
         _output: &mut O,
@@ -53,11 +34,10 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for All {
         slot: u32,
         _sites: &Input<Site>,
         arrivals: &Input<Arrival>,
-        ahead: Quad,
     ) {
-        self.power.add_ahead(ahead, arrivals, slot, self.wide);
+        self.power.add(arrivals[slot as usize]);
         self.photons += 1;
-        if self.photons & (SETTLE_AFTER - 1) == 0 {
+        if self.photons & (MAX_TERMS / 2 - 1) == 0 {
             let left = self.power.settle();
             self.above = [self.above[0] + left[0], self.above[1] + left[1], self.above[2] + left[2]];
         }
@@ -89,13 +69,12 @@ pub fn gather_density<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
     if query.active != 0 {
         let position = query.position;
         let radius2 = grid.radius2;
-        let mut all = All { radius2, power: Power::new(), wide: is_wide(power), above: [0; 3], photons: 0 };
+        let mut all = All { radius2, power: Power::new(), above: [0; 3], photons: 0 };
         let memory = &mut ();
         let whole =
             search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut all);
-        let left = all.power.settle();
-        let above = [all.above[0] + left[0], all.above[1] + left[1], all.above[2] + left[2]];
-        result.rgb = over_disc(all.power.value_with(above, power), radius2, grid.radius2);
+        let channel = |n: usize| all.power.channel(n).value_with(all.above[n], f32::from_bits(power[n]));
+        result.rgb = over_disc([channel(0), channel(1), channel(2)], radius2, grid.radius2);
         result.photons = if whole { all.photons } else { CUT_SHORT };
     }
     irradiance.set(q, result);

@@ -1,6 +1,6 @@
 //! What the gathering stages return: the neighbours themselves, or the irradiance they add up to.
 
-use super::power::{Power, is_wide};
+use super::power::Power;
 use super::{CUT_SHORT, Candidates, GatherParams, Selection, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, HASH_LINEAR, Row};
@@ -91,7 +91,7 @@ pub fn gather_irradiance<S: Selection + Candidates<(), Input<Arrival>, ()>, I: S
             left_out = selection.last();
             radius2 = selection.distance2(left_out);
         }
-        let rgb = sum_power(&selection, left_out, arrivals, is_wide(power)).value(power);
+        let rgb = sum_power(&selection, left_out, arrivals).value(power);
         result.rgb = over_disc(rgb, radius2, grid.radius2);
         if !whole {
             result.photons = CUT_SHORT;
@@ -120,12 +120,12 @@ fn search_any<A: ?Sized, S: Candidates<(), A, ()>>(
 
 /// Power of the selected photons, without the one at `left_out`.
 #[inline]
-fn sum_power<S: Selection>(selection: &S, left_out: u32, arrivals: &Input<Arrival>, wide: bool) -> Power {
+fn sum_power<S: Selection>(selection: &S, left_out: u32, arrivals: &Input<Arrival>) -> Power {
     let mut power = Power::new();
     let mut n = 0;
     while n < selection.count() {
         if n != left_out {
-            power.add_at(arrivals, selection.slot(n), wide);
+            power.add(arrivals[selection.slot(n) as usize]);
         }
         n += 1;
     }

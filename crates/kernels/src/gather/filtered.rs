@@ -2,14 +2,14 @@
 
 use super::estimate::over_disc;
 use super::filter::{FILTER_CONSTANT, filter_integral, filter_weight};
-use super::power::{Power, SETTLE_AFTER};
+use super::power::Power;
 use super::reach::{ALL_COUNT, Reach};
 use super::surface::{self, SURFACE_ANY, SURFACE_FACING, SURFACE_OWN, is_known, part_on};
 use super::{CUT_SHORT, Candidates, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
 use crate::layout::{Arrival, Irradiance, Query, Site};
-use crate::num::div;
+use crate::num::{MAX_TERMS, div};
 use crate::trace::{Primitive, Vertex};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -39,7 +39,7 @@ struct Filtered {
     /// Largest powers of the map.
     scale: [f32; 3],
     power: Power,
-    /// What has left the sum of each channel.
+    /// What has left the highest limb of each channel.
     above: [u32; 3],
     photons: u32,
 }
@@ -74,7 +74,7 @@ impl<M: ?Sized, O: ?Sized> Candidates<M, Input<Arrival>, O> for Filtered {
             self.power.add_weighted(arrival, filter_weight(self.filter, distance2 * self.inverse2), self.scale);
         }
         self.photons += 1;
-        if self.photons & (SETTLE_AFTER - 1) == 0 {
+        if self.photons & (MAX_TERMS / 2 - 1) == 0 {
             let left = self.power.settle();
             self.above = [self.above[0] + left[0], self.above[1] + left[1], self.above[2] + left[2]];
         }
@@ -155,9 +155,8 @@ pub fn gather_filtered<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
             output,
             &mut filtered,
         );
-        let left = filtered.power.settle();
-        let above = [filtered.above[0] + left[0], filtered.above[1] + left[1], filtered.above[2] + left[2]];
-        let over = over_disc(filtered.power.value_with(above, power), disc2, grid.radius2);
+        let channel = |n: usize| filtered.power.channel(n).value_with(filtered.above[n], scale[n]);
+        let over = over_disc([channel(0), channel(1), channel(2)], disc2, grid.radius2);
         // The constant filter over a whole disc keeps its bits.
         result.rgb = if part == 1.0 { over } else { [div(over[0], part), div(over[1], part), div(over[2], part)] };
         result.photons = if whole && reach.photons != CUT_SHORT { filtered.photons } else { CUT_SHORT };

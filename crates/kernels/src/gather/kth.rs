@@ -5,8 +5,7 @@
 //! was enough. Everything is compared as integers: the bits of positive floats are in the order of the floats.
 #![allow(clippy::implicit_saturating_sub)] // rust-gpu 0.10 cannot compile `saturating_sub`
 
-use super::bins::{BINS, Bins, bin_of, clear, count, count_of};
-use super::last::MOST;
+use super::bins::{BINS, Bins, COLUMN_LANES, WORDS, bin_of, clear, count, count_of};
 use super::seen::Seen;
 use super::{Candidates, GatherParams, search};
 use crate::exec::Input;
@@ -59,28 +58,29 @@ impl<const N: usize, A: ?Sized> Candidates<[u32; N], A, Seen> for ByDistance {
             self.nearer += 1;
             self.within += 1;
         } else {
-            self.within += count(memory, self.lane, (bits - self.bins.first) >> self.bins.shift);
+            self.within += count(memory, self.lane, 0, (bits - self.bins.first) >> self.bins.shift);
         }
     }
 
     /// Leaves out what is farther than enough others.
     #[inline]
     fn settle(&mut self, memory: &mut [u32; N]) {
-        let mut far = count_of(memory, self.lane, self.top);
+        let mut far = count_of(memory, self.lane, 0, self.top);
         let mut falls = self.top > 0 && self.within - far >= self.wanted;
         while falls {
             self.within -= far;
             self.top -= 1;
             self.bound = f32::from_bits(self.bins.first + ((self.top + 1) << self.bins.shift) - 1);
-            far = count_of(memory, self.lane, self.top);
+            far = count_of(memory, self.lane, 0, self.top);
             falls = self.top > 0 && self.within - far >= self.wanted;
         }
     }
 }
 
-/// Counts the candidates of one distance by their index, in the lane's column.
+/// Counts the candidates of one distance by their index, from word `from` of the lane's column on.
 struct ByIndex {
     lane: u32,
+    from: u32,
     bins: Bins,
     bits: u32,
 }
@@ -106,7 +106,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
         if distance2.to_bits() == self.bits {
             let index = sites[slot as usize].photon();
             if index >= self.bins.first && index < self.bins.end {
-                count(memory, self.lane, (index - self.bins.first) >> self.bins.shift);
+                count(memory, self.lane, self.from, (index - self.bins.first) >> self.bins.shift);
             }
         }
     }
@@ -174,7 +174,7 @@ pub(super) struct Found {
     pub(super) index: u32,
 }
 
-/// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`MOST`] candidates can finish. `seen` remembers all
+/// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`WORDS`] candidates can finish. `seen` remembers all
 /// candidates up to there.
 #[inline]
 pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
@@ -198,7 +198,7 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     let mut grown = false;
     let mut searching = true;
     while searching {
-        clear(memory, lane);
+        clear(memory, lane, 0);
         seen.clear();
         let mut count = ByDistance::new(lane, bins, wanted);
         found.whole =
@@ -210,12 +210,12 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
             bins = if missed { Bins::all_below(bins.first) } else { Bins::below(bins.first) };
             missed = true;
         } else {
-            let (bin, before, inside) = bin_of(memory, lane, wanted - count.nearer);
+            let (bin, before, inside) = bin_of(memory, lane, 0, wanted - count.nearer);
             found.nearer = count.nearer;
             found.before = count.nearer + before;
             if bin < BINS {
                 found.rank = wanted - found.before;
-                crowded = inside > MOST;
+                crowded = inside > WORDS;
                 searching = crowded && bins.shift > 0;
                 bins = bins.inside(bin);
             } else if bins.end >= last {
@@ -233,16 +233,17 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     }
     found.bins = bins;
 
-    // Too many at one distance: their indices decide.
+    // Too many at one distance: their indices decide. Whoever has more memory may still need the counts of distances.
+    let from = if N >= (2 * WORDS * COLUMN_LANES) as usize { WORDS } else { 0 };
     let mut indices = Bins { first: 0, end: 0xffff_ffff, shift: 27 };
     searching = found.enough && crowded && found.whole;
     while searching {
-        clear(memory, lane);
-        let mut count = ByIndex { lane, bins: indices, bits: bins.first };
+        clear(memory, lane, from);
+        let mut count = ByIndex { lane, from, bins: indices, bits: bins.first };
         found.whole =
             search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count)
                 && found.whole;
-        let (bin, before, _) = bin_of(memory, lane, found.rank);
+        let (bin, before, _) = bin_of(memory, lane, from, found.rank);
         found.rank -= before;
         found.before += before;
         found.index = indices.first + (bin << indices.shift);
@@ -253,26 +254,4 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
         }
     }
     found
-}
-
-/// Counts candidates by distance once more, as [`find`] did last: into the memory that the count of indices took. Returns whether the walk
-/// came to its end.
-#[inline]
-pub(super) fn recount<const LINEAR: bool, const N: usize, A: ?Sized>(
-    lane: u32,
-    memory: &mut [u32; N],
-    position: [f32; 3],
-    bins: Bins,
-    grid: &Grid,
-    rows: &Input<Row>,
-    sites: &Input<Site>,
-    arrivals: &A,
-    begins: &Input<u32>,
-    seen: &mut Seen,
-) -> bool {
-    clear(memory, lane);
-    seen.clear();
-    // None is left out: as many are wanted as cannot be.
-    let mut count = ByDistance::new(lane, bins, 0xffff_ffff);
-    search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, seen, &mut count)
 }

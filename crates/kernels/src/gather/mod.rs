@@ -12,7 +12,6 @@ mod filter;
 mod filtered;
 mod heap;
 mod kth;
-mod last;
 mod list;
 mod neighbours;
 mod power;
@@ -31,14 +30,14 @@ pub use filter::{FILTER_CONE, FILTER_CONSTANT, FILTER_EPANECHNIKOV, FILTER_GAUSS
 pub use filtered::{EstimateParams, gather_filtered};
 pub use heap::Heap;
 pub use list::SortedList;
-pub use neighbours::{gather_neighbours_by_counting, order_neighbours};
+pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
 pub(crate) use power::Power;
 pub use reach::{Reach, gather_reach};
 pub use search::{distance2, root_above, search, search_share};
 pub use surface::{SURFACE_ANY, SURFACE_FACING, SURFACE_OWN, face_arrivals};
 
 use crate::exec::Input;
-use crate::layout::{Quad, Site};
+use crate::layout::Site;
 use bytemuck::{Pod, Zeroable};
 
 /// Lanes of a gathering workgroup.
@@ -69,25 +68,6 @@ pub trait Candidates<M: ?Sized, A: ?Sized, O: ?Sized> {
     fn bound(&self) -> f32;
     /// Offers candidate `slot`, an index into the sorted `sites` and `arrivals`.
     fn offer(&mut self, memory: &mut M, output: &mut O, distance2: f32, slot: u32, sites: &Input<Site>, arrivals: &A);
-    /// What is worth reading of candidate `slot` before it is known whether it counts, where most do: the read then has begun.
-    #[inline]
-    fn ahead(_arrivals: &A, _slot: u32) -> Quad {
-        Quad::default()
-    }
-    /// [`Candidates::offer`] with what [`Candidates::ahead`] has read.
-    #[inline]
-    fn offer_ahead(
-        &mut self,
-        memory: &mut M,
-        output: &mut O,
-        distance2: f32,
-        slot: u32,
-        sites: &Input<Site>,
-        arrivals: &A,
-        _ahead: Quad,
-    ) {
-        self.offer(memory, output, distance2, slot, sites, arrivals);
-    }
     /// Lowers the bound, if that takes more work than one candidate is worth: called between rows.
     #[inline]
     fn settle(&mut self, _memory: &mut M) {}
@@ -323,8 +303,7 @@ mod tests {
             let mut reaches = vec![Reach::default(); queries.len()];
             let params = GatherParams { queries: queries.len() as u32, k, guess: 1.0 };
             let order: Vec<u32> = (0..params.queries).rev().collect();
-            // 8·10⁻⁹ is below 42 bits.
-            let power = [8f32.to_bits(), 0, 8f32.to_bits(), 1];
+            let power = [8f32, 0.0, 8.0].map(f32::to_bits);
             // An invocation too many, which must do nothing.
             for i in 0..=params.queries {
                 let list = SortedList::<17>::new();

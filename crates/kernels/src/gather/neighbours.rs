@@ -3,15 +3,17 @@
 //! The first writes the k nearest in the order of the bins in which they were counted, the second puts each bin in order, a
 //! lane an element: no lane ever sorts a list of its own.
 
-use super::bins::{BINS, Bins, Columns, WORDS, at, count_of};
-use super::counting::{Place, is_before};
-use super::kth::{find, recount};
-use super::last::Last;
+use super::bins::{BINS, Bins, COLUMN_LANES, WORDS, at, count_of};
+use super::counting::{Place, is_before, take_first};
+use super::kth::find;
 use super::seen::Seen;
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
 use crate::layout::{Neighbour, Query, Site};
+
+/// Shared memory of a workgroup: columns for counters, then columns for lists.
+pub type WideColumns = [u32; (2 * WORDS * COLUMN_LANES) as usize];
 
 /// Puts the candidates before a place where their bin has room, and lists those from there on up to an end.
 struct ByBin {
@@ -23,7 +25,7 @@ struct ByBin {
     nearer: u32,
     before: Place,
     end: u32,
-    last: Last,
+    len: u32,
 }
 
 impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N], A, O> for ByBin {
@@ -51,12 +53,13 @@ impl<const N: usize, A: ?Sized, O: Store<Neighbour> + ?Sized> Candidates<[u32; N
                 self.nearer += 1;
             } else {
                 let bin = (bits - self.counted.first) >> self.counted.shift;
-                place = count_of(memory, self.lane, bin);
+                place = count_of(memory, self.lane, 0, bin);
                 memory[at(bin % WORDS, self.lane)] += 1 << (bin & WORDS);
             }
             output.set(self.row + place, Neighbour { distance2, photon: sites[slot as usize].photon() });
-        } else {
-            self.last.add(slot);
+        } else if self.len < WORDS {
+            memory[at(WORDS + self.len, self.lane)] = slot;
+            self.len += 1;
         }
     }
 }
@@ -73,7 +76,7 @@ pub fn gather_neighbours_by_counting<
 >(
     i: u32,
     lane: u32,
-    memory: &mut Columns,
+    memory: &mut WideColumns,
     params: &GatherParams,
     grid: &Grid,
     rows: &Input<Row>,
@@ -98,19 +101,12 @@ pub fn gather_neighbours_by_counting<
     let mut seen = Seen::new();
     let found =
         find::<LINEAR, _, _>(lane, memory, position, params.k, params, grid, rows, sites, sites, begins, &mut seen);
-    let mut whole = found.whole;
-    if found.enough && found.rank == 0 {
-        // Indices were counted last.
-        whole =
-            recount::<LINEAR, _, _>(lane, memory, position, found.counted, grid, rows, sites, sites, begins, &mut seen)
-                && whole;
-    }
     // From numbers in bins to the places of their first. Those after the last bin that is wanted do not matter: all they have to
     // do is fit.
     let mut sum = found.nearer;
     let mut bin = 0;
     while bin < BINS {
-        let inside = count_of(memory, lane, bin);
+        let inside = count_of(memory, lane, 0, bin);
         let word = at(bin % WORDS, lane);
         memory[word] = memory[word] - (inside << (bin & WORDS)) + ((sum & 0xffff) << (bin & WORDS));
         sum += inside;
@@ -131,8 +127,9 @@ pub fn gather_neighbours_by_counting<
         nearer: 0,
         before,
         end: if found.enough { found.bins.end } else { grid.radius2.to_bits() + 1 },
-        last: Last::new(),
+        len: 0,
     };
+    let mut whole = found.whole;
     if seen.is_whole() {
         seen.offer(position, sites, sites, memory, unordered, &mut by_bin);
     } else {
@@ -141,8 +138,8 @@ pub fn gather_neighbours_by_counting<
                 && whole;
     }
     let mut n = 0;
-    while n < found.rank && by_bin.last.len > 0 {
-        let (first, _) = by_bin.last.take_first(position, sites);
+    while n < found.rank && n < by_bin.len {
+        let (first, _) = take_first(memory, lane, WORDS, by_bin.len - n, position, sites);
         let neighbour = Neighbour { distance2: f32::from_bits(first.bits), photon: first.index };
         unordered.set(q * params.k + found.before + n, neighbour);
         n += 1;

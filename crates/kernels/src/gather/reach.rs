@@ -1,9 +1,8 @@
 //! How far the k nearest photons are, without what they bring.
 
-use super::bins::Columns;
-use super::counting::{Place, is_before};
+use super::bins::{Columns, WORDS, at};
+use super::counting::{Place, is_before, take_first};
 use super::kth::find;
-use super::last::Last;
 use super::seen::Seen;
 use super::{CUT_SHORT, Candidates, GatherParams, search};
 use crate::exec::{Input, Store};
@@ -28,12 +27,13 @@ pub(super) const ALL_COUNT: u32 = 0xffff_ffff;
 
 /// Lists the candidates from a place on up to an end.
 struct List {
+    lane: u32,
     from: Place,
     end: u32,
-    last: Last,
+    len: u32,
 }
 
-impl<M: ?Sized, A: ?Sized, O: ?Sized> Candidates<M, A, O> for List {
+impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for List {
     const SHORT: bool = true;
 
     #[inline]
@@ -44,15 +44,16 @@ impl<M: ?Sized, A: ?Sized, O: ?Sized> Candidates<M, A, O> for List {
     #[inline]
     fn offer(
         &mut self,
-        _memory: &mut M,
+        memory: &mut [u32; N],
         _output: &mut O,
         distance2: f32,
         slot: u32,
         sites: &Input<Site>,
         _arrivals: &A,
     ) {
-        if !is_before(distance2.to_bits(), slot, self.from, sites) {
-            self.last.add(slot);
+        if !is_before(distance2.to_bits(), slot, self.from, sites) && self.len < WORDS {
+            memory[at(self.len, self.lane)] = slot;
+            self.len += 1;
         }
     }
 }
@@ -100,7 +101,7 @@ pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
         if found.enough {
             reach.photons = params.k;
             let from = Place { bits: found.bins.first, index: found.index };
-            let mut list = List { from, end: found.bins.end, last: Last::new() };
+            let mut list = List { lane, from, end: found.bins.end, len: 0 };
             let output = &mut ();
             if seen.is_whole() {
                 seen.offer(position, sites, sites, memory, output, &mut list);
@@ -111,8 +112,8 @@ pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
             }
             let mut last = from;
             let mut n = 0;
-            while n < found.rank && list.last.len > 0 {
-                (last, _) = list.last.take_first(position, sites);
+            while n < found.rank && n < list.len {
+                (last, _) = take_first(memory, lane, 0, list.len - n, position, sites);
                 n += 1;
             }
             reach.radius2 = f32::from_bits(last.bits);

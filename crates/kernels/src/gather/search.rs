@@ -3,7 +3,7 @@
 use super::Candidates;
 use crate::exec::Input;
 use crate::grid::{Grid, MAX_REACH, Row, axis_cell, cell_of, coordinates, gap, hash_cell, linear};
-use crate::layout::{Quad, Site};
+use crate::layout::Site;
 
 /// Squared distances below 2⁻⁷⁴ m² count as none: then it does not show whether a device flushes products that are subnormal.
 ///
@@ -103,9 +103,9 @@ pub fn search_share<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Cand
                     let entries = if LINEAR { end_x - x + 1 } else { 1 };
                     x += entries;
                     macro_rules! consider {
-                        ($slot:expr, $site:expr, $ahead:expr) => {
+                        ($slot:expr, $site:expr) => {
                             consider::<LINEAR, _, _, _, _>(
-                                $slot, $site, $ahead, position, cell, grid, sites, arrivals, memory, output, candidates,
+                                $slot, $site, position, cell, grid, sites, arrivals, memory, output, candidates,
                             )
                         };
                     }
@@ -114,35 +114,24 @@ pub fn search_share<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Cand
                     while C::SHORT && slot < end {
                         // All four are on their way before the first is needed.
                         let last = end - 1;
-                        let second = if slot + 1 < last { slot + 1 } else { last };
-                        let third = if slot + 2 < last { slot + 2 } else { last };
-                        let fourth = if slot + 3 < last { slot + 3 } else { last };
-                        let sites_of = (
-                            sites[slot as usize],
-                            sites[second as usize],
-                            sites[third as usize],
-                            sites[fourth as usize],
-                        );
-                        let ahead = (
-                            C::ahead(arrivals, slot),
-                            C::ahead(arrivals, second),
-                            C::ahead(arrivals, third),
-                            C::ahead(arrivals, fourth),
-                        );
-                        consider!(slot, sites_of.0, ahead.0);
+                        let one = sites[slot as usize];
+                        let two = sites[(if slot + 1 < last { slot + 1 } else { last }) as usize];
+                        let three = sites[(if slot + 2 < last { slot + 2 } else { last }) as usize];
+                        let four = sites[(if slot + 3 < last { slot + 3 } else { last }) as usize];
+                        consider!(slot, one);
                         if slot < last {
-                            consider!(second, sites_of.1, ahead.1);
+                            consider!(slot + 1, two);
                         }
                         if slot + 1 < last {
-                            consider!(third, sites_of.2, ahead.2);
+                            consider!(slot + 2, three);
                         }
                         if slot + 2 < last {
-                            consider!(fourth, sites_of.3, ahead.3);
+                            consider!(slot + 3, four);
                         }
                         slot += 4;
                     }
                     while slot < end {
-                        consider!(slot, sites[slot as usize], C::ahead(arrivals, slot));
+                        consider!(slot, sites[slot as usize]);
                         slot += 1;
                     }
                     whole = whole && slot >= end;
@@ -156,12 +145,11 @@ pub fn search_share<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Cand
     whole && n >= end_of_rows
 }
 
-/// Offers the photon at `slot` of `cell`'s table entry, of which `site` and `ahead` have been read.
+/// Offers the photon at `slot` of `cell`'s table entry, whose site is `site`.
 #[inline]
 fn consider<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
     slot: u32,
     site: Site,
-    ahead: Quad,
     position: [f32; 3],
     cell: [u32; 3],
     grid: &Grid,
@@ -174,7 +162,7 @@ fn consider<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M
     let d2 = distance2(position, site.position());
     // Several cells may share a table entry: a photon counts only where it lies, hence never twice.
     if d2 <= candidates.bound() && (LINEAR || same_cell(cell_of(grid, site.position()), cell)) {
-        candidates.offer_ahead(memory, output, d2, slot, sites, arrivals, ahead);
+        candidates.offer(memory, output, d2, slot, sites, arrivals);
     }
 }
 

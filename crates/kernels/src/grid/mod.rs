@@ -11,8 +11,8 @@ mod ranges;
 pub use cell::{axis_cell, cell_of, coordinates, gap};
 pub use hash::{HASH_LINEAR, HASH_MORTON, HASH_TESCHNER, hash_cell, linear, morton, teschner};
 pub use ranges::{
-    BEGINS_BLOCK, BLOCK_POWERS, BeginsShared, GRID_BLOCK, GridRegisters, LargestShared, Moved, cell_begins,
-    hash_photons, hash_queries, reorder_photons,
+    BEGINS_BLOCK, BeginsShared, GRID_BLOCK, GridRegisters, LargestShared, Moved, cell_begins, hash_photons,
+    hash_queries, reorder_photons,
 };
 
 use bytemuck::{Pod, Zeroable};
@@ -159,10 +159,10 @@ mod tests {
             let grid = Grid { photons: keys.len() as u32, ..grid(HASH_MORTON, table) };
             let expected: Vec<u32> = (0..=table).map(|entry| keys.partition_point(|&key| key < entry) as u32).collect();
             let blocks = keys.len().div_ceil(GRID_BLOCK as usize);
-            let powers: Vec<u32> = (0..BLOCK_POWERS * blocks as u32).map(|n| n * 7 % 11).collect();
-            let largest = |channel: usize| powers.iter().skip(channel).step_by(6).copied().max().unwrap_or(0);
+            let powers: Vec<u32> = (0..3 * blocks as u32).map(|n| n * 7 % 11).collect();
+            let largest = |channel: usize| powers.iter().skip(channel).step_by(3).copied().max().unwrap_or(0);
             for one in [false, true] {
-                let (mut begins, mut power) = (vec![9; table as usize + 1], [99; 4]);
+                let (mut begins, mut power) = (vec![9; table as usize + 1], [99; 3]);
                 // A workgroup too many, which must do nothing.
                 for group in 0..(table + 1).div_ceil(BEGINS_BLOCK) + 1 {
                     let (shared, begins, power) = (&mut [9; 1538], begins.as_mut_slice(), power.as_mut_slice());
@@ -173,7 +173,7 @@ mod tests {
                     }
                 }
                 assert!(begins == expected, "{} keys", keys.len());
-                assert_eq!(power[..3], [0, 1, 2].map(largest));
+                assert_eq!(power, [0, 1, 2].map(largest));
             }
         };
         check(8, &[]);
@@ -186,40 +186,6 @@ mod tests {
         // A crowd in one entry, and none far around it.
         random.fill(9000);
         check(30_000, &random);
-    }
-
-    #[test]
-    fn powers_that_reach_below_42_bits_are_noticed() {
-        let bits = f32::to_bits;
-        // Of each block: the largest powers, and the complements of the least.
-        let odd = f32::from_bits(1.9f32.to_bits() | 1);
-        for (least, wide) in [(1.0, 0), (2f32.powi(-18) * odd, 0), (2f32.powi(-19) * odd, 1), (2f32.powi(-42) * odd, 1)]
-        {
-            for channel in 0..3 {
-                let mut powers = [[bits(1.0), bits(1.5), bits(1.0), !bits(1.0), !bits(1.0), !bits(1.0)]; 2];
-                powers[1][3 + channel] = !bits(least);
-                let grid = Grid { photons: GRID_BLOCK + 1, ..grid(HASH_LINEAR, 30) };
-                let keys = vec![0; grid.photons as usize];
-                let (mut begins, mut power) = (vec![0; 31], [99; 4]);
-                let (begins, shared) = (begins.as_mut_slice(), &mut [9; 1538]);
-                cell_begins(
-                    workgroup!(256),
-                    0,
-                    shared,
-                    &grid,
-                    &keys,
-                    powers.as_flattened(),
-                    begins,
-                    power.as_mut_slice(),
-                );
-                assert_eq!(power, [bits(1.0), bits(1.5), bits(1.0), wide], "{least}");
-                // What an arrival has there is what is said of it.
-                let limbs = Limbs::of(least, 1.0).0;
-                let low = Arrival::new(limbs, limbs, limbs, 0, 0).low_parts();
-                assert_eq!(low != [0; 3], wide == 1, "{least}");
-            }
-        }
-        assert_eq!(Limbs::of(0.0, 1.0), Limbs::ZERO);
     }
 
     #[test]
@@ -236,9 +202,9 @@ mod tests {
         let grid = Grid { photons: 4998, ..grid(HASH_LINEAR, 30) };
         let expected: Vec<_> = photons[..4998].iter().map(|p| linear(cell_of(&grid, p.position), grid.cells)).collect();
         for one in [false, true] {
-            let (mut keys, mut powers) = (vec![99; 5000], [99; 18]);
+            let (mut keys, mut powers) = (vec![99; 5000], [99; 9]);
             for group in 0..3 {
-                let (shared, keys, powers) = (&mut [9; 1536], keys.as_mut_slice(), powers.as_mut_slice());
+                let (shared, keys, powers) = (&mut [9; 768], keys.as_mut_slice(), powers.as_mut_slice());
                 if one {
                     hash_photons(workgroup!(1), group, shared, &grid, &photons, keys, powers);
                 } else {
@@ -247,17 +213,13 @@ mod tests {
             }
             assert!((&keys[..4998], &keys[4998..]) == (&expected[..], &[99, 99][..]));
             let bits = f32::to_bits;
-            // Of each block the largest, and the complements of the least that are not zero.
-            let one = bits(1.0);
-            assert_eq!(powers[..6], [0, one, bits(4095.0), 0, !one, !one]);
-            assert_eq!(powers[6..12], [0, one, bits(4566.0), 0, !one, !one]);
-            assert_eq!(powers[12..], [99; 6]);
+            assert_eq!(powers, [0, bits(1.0), bits(4095.0), 0, bits(1.0), bits(4566.0), 99, 99, 99]);
         }
         let (mut sites, mut arrivals) = (vec![Site::default(); 6], vec![Arrival::default(); 6]);
         let grid = Grid { photons: 4, ..grid };
         for first in [0, 3, 6] {
             let (sites, arrivals) = (sites.as_mut_slice(), arrivals.as_mut_slice());
-            let power = [1f32, 1.0, 4566.0, 0.0].map(f32::to_bits);
+            let power = [1f32, 1.0, 4566.0].map(f32::to_bits);
             let mut batch = Many { first, registers: &mut [Moved::default(); 3], order: &[2, 0, 1] };
             reorder_photons(&mut batch, &grid, &[3, 1, 0, 2], &photons, &power, sites, arrivals);
         }

@@ -8,11 +8,8 @@ use crate::num::Limbs;
 /// Photons or table entries that one workgroup handles.
 pub const GRID_BLOCK: u32 = crate::sort::SORT_BLOCK;
 
-/// Numbers of a block of photons: the bits of its largest power in each channel, and the complement of those of its least that is not
-/// zero. The largest of both are those of all photons.
-pub const BLOCK_POWERS: u32 = 6;
 /// Shared memory of a workgroup that looks for the largest of its numbers.
-pub type LargestShared = [u32; 1536];
+pub type LargestShared = [u32; 768];
 
 /// Table entries that one workgroup handles.
 pub const BEGINS_BLOCK: u32 = 1024;
@@ -31,11 +28,11 @@ const HIGH: usize = 1537;
 /// Registers of a lane that handles `N` items.
 #[derive(Clone, Copy, Default)]
 pub struct GridRegisters<const N: usize> {
-    largest: [u32; BLOCK_POWERS as usize],
+    largest: [u32; 3],
 }
 
-/// The unsorted list of hash values, and the [`BLOCK_POWERS`] of each block: the bits of floats that are not negative are in the order of
-/// the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
+/// The unsorted list of hash values, and the largest power in each block and channel, as bits: those of floats that are not
+/// negative are in the order of the floats. The photon's index that belongs to a hash value is its place, so only keys are stored.
 #[inline]
 pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + ?Sized, P: Store<u32> + ?Sized>(
     lanes: &mut L,
@@ -52,7 +49,7 @@ pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + 
     }
     let count = lanes.lanes();
     lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut LargestShared| {
-        r.largest = [0; BLOCK_POWERS as usize];
+        r.largest = [0; 3];
         let mut item = 0;
         while item < N as u32 {
             let i = first + item * count + lane;
@@ -60,8 +57,7 @@ pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + 
                 let photon = photons[i as usize];
                 keys.set(i, hash_cell(grid, cell_of(grid, photon.position)));
                 let power = photon.power;
-                let [red, green, blue] = [power[0].to_bits(), power[1].to_bits(), power[2].to_bits()];
-                r.largest = larger(r.largest, [red, green, blue, rest(red), rest(green), rest(blue)]);
+                r.largest = larger(r.largest, [power[0].to_bits(), power[1].to_bits(), power[2].to_bits()]);
             }
             item += 1;
         }
@@ -70,42 +66,32 @@ pub fn hash_photons<const N: usize, L: Turns<GridRegisters<N>>, K: Store<u32> + 
     largest(lanes, shared);
     lanes.each(shared, move |lane, _, shared: &mut LargestShared| {
         if lane == 0 {
-            let mut n = 0;
-            while n < BLOCK_POWERS {
-                powers.set(BLOCK_POWERS * group + n, shared[n as usize]);
-                n += 1;
-            }
+            powers.set(3 * group, shared[0]);
+            powers.set(3 * group + 1, shared[1]);
+            powers.set(3 * group + 2, shared[2]);
         }
     });
 }
 
-/// The complement of the bits of a power that counts; subnormal ones do not.
 #[inline]
-fn rest(power: u32) -> u32 {
-    if power >> 23 == 0 { 0 } else { !power }
+fn larger(a: [u32; 3], b: [u32; 3]) -> [u32; 3] {
+    [
+        if a[0] < b[0] { b[0] } else { a[0] },
+        if a[1] < b[1] { b[1] } else { a[1] },
+        if a[2] < b[2] { b[2] } else { a[2] },
+    ]
 }
 
 #[inline]
-fn larger(a: [u32; 6], b: [u32; 6]) -> [u32; 6] {
-    let of = |a: u32, b: u32| if a < b { b } else { a };
-    [of(a[0], b[0]), of(a[1], b[1]), of(a[2], b[2]), of(a[3], b[3]), of(a[4], b[4]), of(a[5], b[5])]
+fn put<const W: usize>(shared: &mut [u32; W], lane: u32, numbers: [u32; 3]) {
+    shared[(3 * lane) as usize] = numbers[0];
+    shared[(3 * lane + 1) as usize] = numbers[1];
+    shared[(3 * lane + 2) as usize] = numbers[2];
 }
 
 #[inline]
-fn put<const W: usize>(shared: &mut [u32; W], lane: u32, numbers: [u32; 6]) {
-    let first = (BLOCK_POWERS * lane) as usize;
-    shared[first] = numbers[0];
-    shared[first + 1] = numbers[1];
-    shared[first + 2] = numbers[2];
-    shared[first + 3] = numbers[3];
-    shared[first + 4] = numbers[4];
-    shared[first + 5] = numbers[5];
-}
-
-#[inline]
-fn get<const W: usize>(shared: &[u32; W], lane: u32) -> [u32; 6] {
-    let first = (BLOCK_POWERS * lane) as usize;
-    [shared[first], shared[first + 1], shared[first + 2], shared[first + 3], shared[first + 4], shared[first + 5]]
+fn get<const W: usize>(shared: &[u32; W], lane: u32) -> [u32; 3] {
+    [shared[(3 * lane) as usize], shared[(3 * lane + 1) as usize], shared[(3 * lane + 2) as usize]]
 }
 
 /// Leaves the largest of the lanes' numbers at the beginning of `shared`.
@@ -126,7 +112,7 @@ fn largest<const N: usize, const W: usize, L: Turns<GridRegisters<N>>>(lanes: &m
 /// Where each table entry begins in the sorted list: the first place whose key is not below it. An entry ends where the next
 /// begins, neighbouring entries are one run, and entries without photons need no clearing. There is one begin more than entries.
 ///
-/// The first workgroup also finds the largest of all `powers` in each channel, and whether any has bits in [`Arrival::low_parts`].
+/// The first workgroup also finds the largest of all `powers` in each channel.
 #[inline]
 pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?Sized, P: Store<u32> + ?Sized>(
     lanes: &mut L,
@@ -141,21 +127,11 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
     let count = lanes.lanes();
     if group == 0 {
         lanes.each(shared, move |lane, r: &mut GridRegisters<N>, shared: &mut BeginsShared| {
-            r.largest = [0; BLOCK_POWERS as usize];
+            r.largest = [0; 3];
             let mut block = lane;
             while block * GRID_BLOCK < grid.photons {
-                let first = (BLOCK_POWERS * block) as usize;
-                r.largest = larger(
-                    r.largest,
-                    [
-                        powers[first],
-                        powers[first + 1],
-                        powers[first + 2],
-                        powers[first + 3],
-                        powers[first + 4],
-                        powers[first + 5],
-                    ],
-                );
+                let first = (3 * block) as usize;
+                r.largest = larger(r.largest, [powers[first], powers[first + 1], powers[first + 2]]);
                 block += count;
             }
             put(shared, lane, r.largest);
@@ -166,11 +142,6 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
                 power.set(0, shared[0]);
                 power.set(1, shared[1]);
                 power.set(2, shared[2]);
-                // Not `||`: rust-gpu carries references through its branches.
-                power.set(
-                    3,
-                    low_bits(shared[0], shared[3]) | low_bits(shared[1], shared[4]) | low_bits(shared[2], shared[5]),
-                );
             }
         });
     }
@@ -196,13 +167,15 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
         } else if lane == count / 2 {
             shared[HIGH] = first_of(keys, grid.photons, end);
         }
+    });
+    // 2. Where keys change, an entry begins.
+    lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
         let mut entry = lane;
         while entry < BEGINS_BLOCK {
             shared[entry as usize] = NO_KEY;
             entry += count;
         }
     });
-    // 2. Where keys change, an entry begins.
     lanes.each(shared, move |lane, _, shared: &mut BeginsShared| {
         let low = shared[LOW];
         let high = shared[HIGH];
@@ -264,13 +237,6 @@ pub fn cell_begins<const N: usize, L: Turns<GridRegisters<N>>, B: Store<u32> + ?
             entry += count;
         }
     });
-}
-
-/// 1 if a power, given by [`rest`], has bits below the highest 42 of the 66 that begin with those of the largest.
-#[inline]
-fn low_bits(largest: u32, rest: u32) -> u32 {
-    // Without any power the complement has the highest exponent.
-    u32::from((largest >> 23) as i32 - (!rest >> 23) as i32 > 18)
 }
 
 /// The first place whose key is not below `key`, by halves.

@@ -34,4 +34,4 @@ pub use sum::{Limbs, MAX_TERMS};
 pub use trig::sin_cos_turns;
 
 #[cfg(test)]
-pub(crate) mod samples;
+mod samples;

@@ -71,7 +71,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for Shells
         _arrivals: &A,
     ) {
         if distance2 > self.inside2 {
-            count(memory, self.lane, self.shell(distance2));
+            count(memory, self.lane, 0, self.shell(distance2));
         }
     }
 }
@@ -100,10 +100,10 @@ pub fn kd_radius<R: Store<f32> + ?Sized>(
     let mut iterations = if query.active != 0 { params.iterations } else { 0 };
     while iterations > 0 {
         iterations -= 1;
-        clear(memory, lane);
+        clear(memory, lane, 0);
         let mut shells = Shells::new(lane, inner, outer, inside2);
         whole = traverse(query.position, tree, params.photons, &(), memory, &mut (), &mut shells) && whole;
-        let (shell, before, _) = bin_of(memory, lane, params.k - inside);
+        let (shell, before, _) = bin_of(memory, lane, 0, params.k - inside);
         if shell < BINS {
             inside += before;
             inner = shells.edge(shell);
