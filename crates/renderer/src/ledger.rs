@@ -205,7 +205,7 @@ mod tests {
     fn a_wrong_roulette_shows() {
         let device = Device::cpu();
         let mut scene = crate::scene::Scene::load("cornell").unwrap().compile();
-        let kind = crate::photons::PassKind::global(20_000, crate::Show::Beauty);
+        let kind = crate::photons::PassKind::global(20_000, crate::Show::Beauty, false);
         let ledger = |scene: &crate::scene::CompiledScene| {
             let buffers = crate::SceneBuffers::new(&device, scene).unwrap();
             let (_, report) = crate::photons::trace(&device, scene, &buffers, 0, &kind, &mut |_| true).unwrap();
