@@ -126,7 +126,7 @@ impl Part {
         }
         if self.normals.iter().any(|n| !n.is_finite()) || self.uv.iter().flatten().any(|x| !(x.abs() <= MOST_UV)) {
             return Some(format!(
-                "a normal or texture coordinate of {} is no number, or beyond ±{MOST_UV}; export it again",
+                "a normal or texture coordinate of {} is no number, or beyond ±{MOST_UV}",
                 self.called()
             ));
         }
@@ -163,7 +163,7 @@ pub(super) fn read(path: &Path) -> Result<Model, SceneError> {
     let mut model = read.map_err(error)?;
     model.parts.retain(|part| !part.triangles.is_empty());
     if let Some(fault) = model.parts.iter().find_map(Part::fault) {
-        return Err(error(fault));
+        return Err(error(format!("is broken: {fault}; export it again")));
     }
     if model.parts.is_empty() {
         let also = if model.left_out.is_empty() {
