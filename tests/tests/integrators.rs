@@ -33,7 +33,7 @@ fn the_furnace_is_as_bright_as_each_integrator_should_see_it() {
     let progressive = Settings { photons: 20_000, radius: 0.2, stop: passes(4), spp: 2, ..base.clone() };
     for (name, expected, settings) in [
         ("path", 1.0, Settings { integrator: Integrator::Path, ..base.clone() }),
-        ("direct", 0.75, Settings { integrator: Integrator::Direct, ..base.clone() }),
+        ("direct", 0.75, Settings { integrator: Integrator::Direct, spp: 64, ..base.clone() }),
         ("photon", 1.0, Settings { photons: 100_000, ..base.clone() }),
         ("progressive", 1.0, Settings { integrator: Integrator::Progressive, ..progressive.clone() }),
         ("final gather", 1.0, Settings { photons: 50_000, final_gather: 8, spp: 2, ..base.clone() }),
@@ -66,18 +66,18 @@ fn paths_below_a_point_light_are_the_closed_form() {
 }
 
 /// Photon maps and paths share nothing but rays and materials: what they say of a scene differs by noise, and by a bias that
-/// shrinks with the radius.
+/// shrinks with the radius. It moves light about and hardly changes its sum, so that it shows pixel by pixel.
 #[test]
 fn photon_maps_and_paths_agree_on_cornell() {
+    const SEEDS: u32 = 6;
     let scene = load("cornell");
     let base = Settings { size: [24, 24], ..Settings::of(&scene) };
-    let means = |settings: &Settings, seeds: std::ops::Range<u32>| {
-        let pictures: Vec<[f64; 3]> = seeds
-            .map(|seed| mean_rgb(&image(&scene, &Settings { seed, ..settings.clone() }, &Device::cpu())))
-            .collect();
-        [0, 1, 2].map(|c| mean_and_error(&pictures.iter().map(|mean| mean[c]).collect::<Vec<_>>()))
+    let pictures = |settings: &Settings, first: u32| -> Vec<Image> {
+        (first..first + SEEDS)
+            .map(|seed| image(&scene, &Settings { seed, ..settings.clone() }, &Device::cpu()))
+            .collect()
     };
-    let paths = means(&Settings { integrator: Integrator::Path, spp: 256, ..base.clone() }, 0..8);
+    let paths = pictures(&Settings { integrator: Integrator::Path, spp: 256, ..base.clone() }, 0);
     let maps = |radius: f32| {
         let settings = Settings {
             integrator: Integrator::Progressive,
@@ -89,23 +89,34 @@ fn photon_maps_and_paths_agree_on_cornell() {
             stop: passes(4),
             ..base.clone()
         };
-        means(&settings, 100..108)
+        pictures(&settings, 100)
     };
     let (sharp, blurred) = (maps(0.06), maps(0.5));
-    let mut bias = [0.0; 2];
+    let mean_of = |pictures: &[Image], c: usize| {
+        mean_and_error(&pictures.iter().map(|picture| mean_rgb(picture)[c]).collect::<Vec<_>>())
+    };
     for c in 0..3 {
-        let (truth, se) = paths[c];
-        for (i, found) in [sharp, blurred].iter().enumerate() {
-            let z = (found[c].0 - truth) / se.hypot(found[c].1);
-            println!("channel {c}: paths {truth:.5} ± {se:.5}, maps {:.5} ± {:.5}, z = {z:.2}", found[c].0, found[c].1);
-            bias[i] += (found[c].0 / truth - 1.0).abs() / 3.0;
-            // Welch's t of 8 + 8 renders, and half a percent of bias at the small radius.
-            let allowed = 4.0 * se.hypot(found[c].1) + 0.005 * truth;
-            assert!(i == 1 || (found[c].0 - truth).abs() < allowed, "channel {c}: z = {z}");
-        }
+        let ((truth, se), (found, error)) = (mean_of(&paths, c), mean_of(&sharp, c));
+        let z = (found - truth) / se.hypot(error);
+        println!("channel {c}: paths {truth:.5} ± {se:.5}, maps {found:.5} ± {error:.5}, z = {z:.2}");
+        // Half a percent is what a radius of 6 cm may change of the whole.
+        assert!((found - truth).abs() < 4.0 * se.hypot(error) + 0.005 * truth, "channel {c}: z = {z}");
     }
-    println!("mean bias at 0.06 m {:.4}, at 0.5 m {:.4}", bias[0], bias[1]);
-    assert!(bias[1] > bias[0], "the bias does not shrink with the radius: {bias:?}");
+    // (Difference of the means)² less the variances of both means: the squared bias, without bias itself.
+    let bias2 = |pictures: &[Image]| {
+        let values = |pictures: &[Image], at: usize| {
+            mean_and_error(&pictures.iter().map(|picture| f64::from(floats(picture)[at])).collect::<Vec<_>>())
+        };
+        let of = |at: usize| {
+            let ((a, a_error), (b, b_error)) = (values(&paths, at), values(pictures, at));
+            (a - b).powi(2) - a_error.powi(2) - b_error.powi(2)
+        };
+        let count = floats(&paths[0]).len();
+        (0..count).map(of).sum::<f64>() / count as f64
+    };
+    let (small, large) = (bias2(&sharp), bias2(&blurred));
+    println!("squared bias at 0.06 m {small:.2e}, at 0.5 m {large:.2e}");
+    assert!(large > 2.0 * small.abs(), "the bias does not shrink with the radius: {small} and {large}");
 }
 
 /// Mean squared error of progressive renders of the point light's plane after some passes, against the closed form.
@@ -227,9 +238,9 @@ fn renders_stop_where_they_are_told_to() {
     let none = Stop::default();
     assert_eq!(stopped(Stop { photons: Some(7000), ..none }).1, 3, "3000 photons a pass");
     assert_eq!(stopped(Stop { seconds: Some(1e-9), ..none }).0, "time");
-    let (why, passes, noise) = stopped(Stop { error: Some(2e-4), passes: Some(5000), ..none });
+    let (why, passes, noise) = stopped(Stop { error: Some(1e-2), passes: Some(5000), ..none });
     println!("{passes} passes for a noise of {noise:?}");
-    assert!(why == "error" && noise.is_some_and(|noise| noise <= 2e-4) && passes > 2);
+    assert!(why == "error" && noise.is_some_and(|noise| noise <= 1e-2) && passes > 2);
 }
 
 /// The radius that is found holds k photons at half of the points, or at nearly all.

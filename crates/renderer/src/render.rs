@@ -97,12 +97,15 @@ pub fn render_on(
     let mut maps = Vec::new();
     let mut problems = Vec::new();
     let mut partial = None;
-    let mut stopped_by = reached(settings, &state, &clock);
+    // Only who asks for an error waits for an estimate of it after each pass.
+    let noise_of = |state: &ProgressState| settings.stop.error.and_then(|_| state.noise());
+    let mut noise = noise_of(&state);
+    let mut stopped_by = reached(settings, &state, noise, &clock);
     while stopped_by.is_none() {
         radius = radius_of(&state);
         let alone = settings.passes() == Some(1);
         let mut within = |now: Progress| {
-            if alone { progress(now) } else { progress(overall(settings, &state, &clock, now)) }
+            if alone { progress(now) } else { progress(overall(settings, &state, noise, &clock, now)) }
         };
         match frame.pass(pass_seed(settings.seed, state.passes), radius, &mut within) {
             Ok(pass) if pass.complete => {
@@ -115,7 +118,8 @@ pub fn render_on(
                     notes.extend(pass.notes);
                 }
                 after(&state)?;
-                stopped_by = reached(settings, &state, &clock);
+                noise = noise_of(&state);
+                stopped_by = reached(settings, &state, noise, &clock);
             }
             // Of the first pass there are rows to show.
             Ok(mut pass) if state.passes == 0 => {
@@ -131,34 +135,34 @@ pub fn render_on(
             Err(error) => return Err(error),
         }
     }
-    let mut shown = state.clone();
+    let (passes, noise, photons_emitted) = (state.passes, state.noise(), state.photons);
     if let Some(pass) = &partial {
-        shown.add(&pass.film, &pass.layers, 0);
+        state.add(&pass.film, &pass.layers, 0);
     }
-    if shown.lost > 0 {
-        notes.push(format!("{} camera paths were given up among mirrors and glass; they count as black", shown.lost));
+    if state.lost > 0 {
+        notes.push(format!("{} camera paths were given up among mirrors and glass; they count as black", state.lost));
     }
-    if shown.not_finite > 0 {
-        let count = shown.not_finite;
+    if state.not_finite > 0 {
+        let count = state.not_finite;
         notes.push(format!("{count} camera samples were not finite and count as black: a radius or power is extreme"));
     }
     // Each is a note as well, for those who do not ask for problems.
     notes.extend(problems.iter().cloned());
-    let samples = [(shown.lost, "given up"), (shown.not_finite, "not finite")].into_iter();
+    let samples = [(state.lost, "given up"), (state.not_finite, "not finite")].into_iter();
     problems.extend(samples.filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} camera samples were {what}")));
-    let image = shown.image();
-    let layers = layers(settings, &shown);
+    let image = state.image();
+    let layers = layers(settings, &state);
     let report = RenderReport {
         device: device.name(),
         complete: stopped_by != Some("interrupted"),
-        passes: state.passes,
+        passes,
         stopped_by: stopped_by.unwrap_or_default(),
         radius_m: radius,
-        noise: state.noise(),
-        photons_emitted: state.photons,
+        noise,
+        photons_emitted,
         seconds: clock.elapsed().as_secs_f64(),
         maps,
-        camera_rays: shown.rays,
+        camera_rays: state.rays,
         notes,
         problems,
         stages: device.stage_times(),
@@ -188,7 +192,7 @@ fn check(device: &Device, film: &[Pixel]) -> Result<(), RenderError> {
 }
 
 /// What says that there are enough passes.
-fn reached(settings: &Settings, state: &ProgressState, clock: &Instant) -> Option<&'static str> {
+fn reached(settings: &Settings, state: &ProgressState, noise: Option<f64>, clock: &Instant) -> Option<&'static str> {
     let stop = &settings.stop;
     if state.passes == 0 {
         return None;
@@ -199,7 +203,7 @@ fn reached(settings: &Settings, state: &ProgressState, clock: &Instant) -> Optio
         Some("photons")
     } else if stop.seconds.is_some_and(|seconds| clock.elapsed().as_secs_f64() >= seconds) {
         Some("time")
-    } else if stop.error.is_some_and(|error| state.noise().is_some_and(|noise| noise <= error)) {
+    } else if stop.error.is_some_and(|error| noise.is_some_and(|noise| noise <= error)) {
         Some("error")
     } else {
         None
@@ -207,7 +211,7 @@ fn reached(settings: &Settings, state: &ProgressState, clock: &Instant) -> Optio
 }
 
 /// Progress of all passes: that of whatever is going to end them first.
-fn overall(settings: &Settings, state: &ProgressState, clock: &Instant, now: Progress) -> Progress {
+fn overall(settings: &Settings, state: &ProgressState, noise: Option<f64>, clock: &Instant, now: Progress) -> Progress {
     const TOTAL: u64 = 1 << 20;
     let within = if now.phase == "image" { now.done as f64 / now.total.max(1) as f64 } else { 0.0 };
     let done = f64::from(state.passes) + within;
@@ -217,7 +221,7 @@ fn overall(settings: &Settings, state: &ProgressState, clock: &Instant, now: Pro
         stop.seconds.map(|seconds| clock.elapsed().as_secs_f64() / seconds),
         stop.photons.map(|photons| state.photons as f64 / photons as f64),
         // Noise falls with the number of passes.
-        stop.error.and_then(|error| Some(error / state.noise()? * done / f64::from(state.passes))),
+        stop.error.and_then(|error| Some(error / noise? * done / f64::from(state.passes))),
     ];
     let part = parts.into_iter().flatten().fold(0.0, f64::max).min(1.0);
     Progress { phase: "passes", done: (part * TOTAL as f64) as u64, total: TOTAL }

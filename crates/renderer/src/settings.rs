@@ -70,6 +70,8 @@ pub struct Stop {
 pub const DEFAULT_PASSES: u32 = 64;
 /// Most passes of a render.
 pub const MAX_PASSES: u32 = 1 << 24;
+/// Most rays of a final gather for all samples of a pixel: they are traced at once.
+const MAX_GATHER_RAYS: u32 = 1 << 20;
 /// Most rays of a final gather.
 pub const MAX_FINAL_GATHER: u32 = 4096;
 
@@ -198,6 +200,10 @@ impl Settings {
         whole("k", self.k, 1, MAX_K)?;
         whole("spp", self.spp, 1, MAX_SPP)?;
         whole("final-gather", self.final_gather, 0, MAX_FINAL_GATHER)?;
+        if u64::from(self.spp) * u64::from(self.final_gather) > u64::from(MAX_GATHER_RAYS) {
+            let range = format!("at most {} at {} samples a pixel", MAX_GATHER_RAYS / self.spp, self.spp);
+            return Err(RenderError::Setting { name: "final-gather", value: self.final_gather.to_string(), range });
+        }
         whole("passes", self.stop.passes.unwrap_or(1), 1, MAX_PASSES)?;
         let number = |name, value: f64, fine: bool, range: &str| {
             if fine {
@@ -212,9 +218,10 @@ impl Settings {
         number("time", seconds, seconds > 0.0 && seconds.is_finite(), "a number of seconds above 0")?;
         let error = self.stop.error.unwrap_or(1.0);
         number("error", error, error > 0.0 && error.is_finite(), "a number above 0")?;
-        if self.stop.photons.is_some_and(|photons| photons == 0 || self.parts() & (PART_GLOBAL | PART_CAUSTIC) == 0) {
-            let range = "at least 1, and there must be photons to count; use --passes or --time".to_string();
-            return Err(RenderError::Setting { name: "total-photons", value: "0".to_string(), range });
+        let without_photons = self.parts() & (PART_GLOBAL | PART_CAUSTIC) == 0;
+        if let Some(photons) = self.stop.photons.filter(|&photons| photons == 0 || without_photons) {
+            let range = "at least 1, where there are photons to count; use --passes or --time".to_string();
+            return Err(RenderError::Setting { name: "total-photons", value: photons.to_string(), range });
         }
         let wrong = match self.integrator {
             Integrator::Path => self.show != Show::Beauty,
