@@ -189,7 +189,7 @@ fn errors_name_place_field_bound_and_remedy() {
         ("radiance = [18.4, 15.6, 8.0]", "", "`quads[5]` (light) lacks the field `material`"),
         ("radiance = [18.4, 15.6, 8.0]", "radiance = [0, 0, 0]", "is dark"),
         ("radiance = [18.4, 15.6, 8.0]", "radiance = [18.4, -1, 8.0]", "`quads[5].radiance[1]` (light) is -1"),
-        ("radiance = [18.4, 15.6, 8.0]", "radiance = [1, 1, 1]\nmaterial = \"glass\"", "must be lambertian"),
+        ("radiance = [18.4, 15.6, 8.0]", "radiance = [1, 1, 1]\nmaterial = \"glass\"", "what emits must not be"),
         ("radiance = [18.4, 15.6, 8.0]", "material = \"white\"", "the scene has no light"),
         ("radius = 0.35", "radius = -0.35", "`spheres[0].radius` (mirror ball) is -0.35"),
         ("centre =", "center =", "did you mean `centre`?"),

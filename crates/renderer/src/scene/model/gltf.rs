@@ -20,9 +20,6 @@ use std::path::Path;
 /// Deepest nesting of nodes, and most of them: what instances multiply ends somewhere.
 const MAX_DEPTH: u32 = 128;
 const MAX_NODES: u32 = 1 << 20;
-/// Extensions that a file may require.
-const KNOWN: [&str; 4] =
-    ["KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_ior", "KHR_materials_transmission"];
 /// Lumens a watt with which photometric units are taken for radiometric ones, as exporters do.
 const LUMENS_PER_WATT: f64 = 683.0;
 /// Narrowest cone of a spot, radians.
@@ -30,11 +27,16 @@ const NARROWEST: f64 = 1e-3;
 
 /// Reads a file's bytes; buffers and pictures that are not in it lie next to it.
 pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Model, String> {
-    let Gltf { document, blob } = Gltf::from_slice(bytes)
-        .map_err(|error| format!("is not valid glTF 2.0: {}; export it again", one_line(&error.to_string())))?;
-    if let Some(unknown) = document.extensions_required().find(|name| !KNOWN.contains(name)) {
-        return Err(format!("requires the extension {}, which is not read; export it without", one_line(unknown)));
+    let invalid =
+        |error: gltf::Error| format!("is not valid glTF 2.0: {}; export it again", one_line(&error.to_string()));
+    // The crate's validation looks positions up before it has seen that they are there.
+    let unchecked = Gltf::from_slice_without_validation(bytes).map_err(invalid)?;
+    let json = unchecked.document.as_json();
+    let primitives = json.meshes.iter().flat_map(|mesh| &mesh.primitives);
+    if primitives.flat_map(|primitive| primitive.attributes.values()).any(|at| at.value() >= json.accessors.len()) {
+        return Err("has a mesh of an accessor that is not there; export it again".to_string());
     }
+    let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(invalid)?;
     let buffers = buffers(&document, blob, path)?;
     let mut model = Model::default();
     let mut file = File { document: &document, buffers: &buffers, path, model: &mut model, nodes: 0 };

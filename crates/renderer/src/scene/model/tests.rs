@@ -94,7 +94,7 @@ fn what_is_wrong_is_said_in_a_sentence_with_a_remedy() {
         (gltf("\"scale\":[2,2,2]", "\"children\":[0]"), "nodes in a circle"),
         (
             gltf("\"extensionsUsed\"", "\"extensionsRequired\":[\"KHR_draco\"],\"extensionsUsed\""),
-            "requires the extension",
+            "Unsupported extension",
         ),
         (gltf("\"scenes\":[{\"nodes\":[0,1,2]}],", ""), ""),
     ] {
