@@ -33,10 +33,10 @@ fn the_furnace_is_as_bright_as_each_integrator_should_see_it() {
     let progressive = Settings { photons: 20_000, radius: 0.2, stop: passes(4), spp: 2, ..base.clone() };
     for (name, expected, settings) in [
         ("path", 1.0, Settings { integrator: Integrator::Path, ..base.clone() }),
-        ("direct", 0.75, Settings { integrator: Integrator::Direct, spp: 64, ..base.clone() }),
-        ("photon", 1.0, Settings { photons: 100_000, ..base.clone() }),
+        ("direct", 0.75, Settings { integrator: Integrator::Direct, spp: 256, ..base.clone() }),
+        ("photon", 1.0, Settings { photons: 100_000, spp: 32, ..base.clone() }),
         ("progressive", 1.0, Settings { integrator: Integrator::Progressive, ..progressive.clone() }),
-        ("final gather", 1.0, Settings { photons: 50_000, final_gather: 8, spp: 2, ..base.clone() }),
+        ("final gather", 1.0, Settings { photons: 50_000, final_gather: 4, spp: 16, ..base.clone() }),
     ] {
         let (mean, se) = ratios(&scene, &settings, 6, expected);
         println!("{name}: {mean:.5}, SE {se:.5}");
