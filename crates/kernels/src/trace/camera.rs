@@ -1,13 +1,14 @@
 //! Camera paths, down to the first diffuse surface.
 
 use super::MAX_BOUNCES;
-use super::bsdf::{albedo_diffuse, evaluate_specular, is_glossy, sample_specular, scatter_specular, specular_chance};
+use super::bsdf::{albedo_diffuse, is_glossy, sample_specular, scatter_specular, specular_chance};
 use super::bvh::BvhNode;
-use super::intersect::{BLOCKED, LOST, MISS, closest_hit, leave, occluded};
-use super::light::{choose_light, is_surface, look, look_density, power_heuristic};
-use super::medium::{VACUUM, leaks, medium_after, medium_before, seen_from_outside, transmittance};
+use super::intersect::{LOST, MISS, closest_hit, leave};
+use super::light::{look_density, power_heuristic};
+use super::medium::{VACUUM, leaks, medium_after, medium_before};
+use super::next_event::{next_event, outside, through};
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
-use super::surface::{Corners, Surface, material_at, surface_at};
+use super::surface::{Corners, material_at, surface_at};
 use super::texture::{Texel, Texture};
 use super::vector::{dot, normalize};
 use crate::exec::{Input, Store};
@@ -157,11 +158,8 @@ pub(super) fn first_diffuse<const FULL: bool>(
         let mut seen = 1.0;
         if FULL {
             medium = medium_before(medium, &material, primitive.material, cos);
-            if medium != VACUUM {
-                let inside = materials[medium as usize];
-                throughput *= transmittance(&inside, hit.t);
-                seen *= seen_from_outside(&inside);
-            }
+            throughput *= through(medium, hit.t, materials);
+            seen = outside(medium, materials);
         }
         if primitive.light != NO_LIGHT && cos < 0.0 {
             let light = lights[primitive.light as usize];
@@ -198,10 +196,24 @@ pub(super) fn first_diffuse<const FULL: bool>(
         let chance = specular_chance(&material, cos_seen);
         if is_glossy(&material) && info.lights > 0 {
             let random = rng.draw4(SHADOW_DIMENSION + bounce);
-            let lit = light_on_gloss(
-                direction, &surface, &primitive, &material, chance, random, info, nodes, primitives, lights,
+            let place = [random[0], random[1], random[2]];
+            let lit = next_event::<true>(
+                direction,
+                cos,
+                &surface,
+                &primitive,
+                primitive.material,
+                &material,
+                chance,
+                medium,
+                place,
+                info,
+                nodes,
+                primitives,
+                materials,
+                lights,
             );
-            emitted += throughput * lit.0 * seen;
+            emitted += throughput * lit.0;
             vertex.rays += lit.1;
             if lit.2 {
                 vertex.primitive = LOST;
@@ -257,49 +269,6 @@ pub(super) fn eye_ray<const FULL: bool>(camera: &Camera, pixel: u32, sample: u32
         return (origin + on_lens, normalize(forward * camera.focus - on_lens));
     }
     (origin, normalize(forward))
-}
-
-/// What the glossy lobe sends back of one place of one light, by a shadow ray: radiance for the path's throughput, the number of rays, and
-/// whether one was lost.
-#[inline]
-fn light_on_gloss(
-    direction: Vec3,
-    surface: &Surface,
-    primitive: &Primitive,
-    material: &Material,
-    chance: f32,
-    random: [f32; 4],
-    info: &SceneInfo,
-    nodes: &Input<BvhNode>,
-    primitives: &Input<Primitive>,
-    lights: &Input<Light>,
-) -> (Vec3, u32, bool) {
-    let nothing = (Vec3::ZERO, 0, false);
-    let light = lights[choose_light(random[0], info, lights) as usize];
-    let glimpse = look::<true>(&light, surface.position, random[1], random[2]);
-    if glimpse.distance <= 0.0 {
-        return nothing;
-    }
-    let (value, pdf) = evaluate_specular(material, direction, glimpse.direction, surface.shading);
-    let geometry = glimpse.geometry(1.0, light.probability);
-    let mut radiance = value * glimpse.emission * geometry;
-    if radiance.x + radiance.y + radiance.z <= 0.0 {
-        return nothing;
-    }
-    // The sampler's side by the shading normal has to be the side by the surface itself, or light would leak through.
-    let by_shading = dot(glimpse.direction, surface.shading) > 0.0;
-    let by_surface = dot(glimpse.direction, surface.normal) > 0.0;
-    if by_shading != by_surface {
-        return nothing;
-    }
-    if is_surface(&light) {
-        radiance *= power_heuristic(div(1.0, geometry), pdf * chance);
-    }
-    let side = if by_surface { surface.normal } else { -surface.normal };
-    let origin = leave(surface.position, side, primitive);
-    let blocker =
-        occluded::<true>(origin, glimpse.direction, glimpse.distance, light.primitive, info, nodes, primitives);
-    if blocker == BLOCKED { (Vec3::ZERO, 1, false) } else { (radiance, 1, blocker == LOST) }
 }
 
 /// Sample `sample` of a pixel's own shuffled and scrambled (0, 2)-sequence: the samples of a pixel are stratified, and those

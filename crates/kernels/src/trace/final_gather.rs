@@ -19,7 +19,7 @@ use glam::Vec3;
 /// Stream of the random numbers of these rays.
 const STREAM: u32 = 4;
 /// Key of the sequence that spreads a pixel's rays over hemispheres.
-const KEY: u32 = 0x5f1a_0003;
+const KEY: u32 = 0x5f1a_0004;
 
 /// The samples for which rays are gathered.
 #[repr(C)]

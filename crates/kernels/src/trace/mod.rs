@@ -18,6 +18,7 @@ mod layers;
 mod ledger;
 pub mod light;
 pub mod medium;
+mod next_event;
 mod paths;
 mod photons;
 mod scene;

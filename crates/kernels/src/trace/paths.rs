@@ -5,14 +5,15 @@
 //! Russian roulette.
 
 use super::MAX_BOUNCES;
-use super::bsdf::{evaluate, sample};
+use super::bsdf::sample;
 use super::bvh::BvhNode;
 use super::camera::{Camera, CameraTile, Vertex, eye_ray};
-use super::intersect::{BLOCKED, LOST, MISS, closest_hit, leave, occluded};
-use super::light::{choose_light, is_surface, look, look_density, power_heuristic};
-use super::medium::{VACUUM, leaks, medium_after, medium_before, seen_from_outside, transmittance};
+use super::intersect::{LOST, MISS, closest_hit, leave};
+use super::light::{look_density, power_heuristic};
+use super::medium::{VACUUM, leaks, medium_after, medium_before};
+use super::next_event::{next_event, outside, through};
 use super::scene::{Light, Material, NO_LIGHT, Primitive, SceneInfo};
-use super::surface::{Corners, Surface, material_at, surface_at};
+use super::surface::{Corners, material_at, surface_at};
 use super::texture::{Texel, Texture};
 use super::vector::dot;
 use crate::exec::{Input, Store};
@@ -91,9 +92,9 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
         if info.lights > 0 {
             let place = [draw[0], draw[1], draw[2]];
             let index = primitive.material;
-            let lit = next_event(
-                direction, cos, &surface, &primitive, index, &material, medium, place, info, nodes, primitives,
-                materials, lights,
+            let lit = next_event::<false>(
+                direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes, primitives, materials,
+                lights,
             );
             radiance += throughput * lit.0;
             vertex.rays += lit.1;
@@ -130,63 +131,4 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     vertex.emitted = radiance.to_array();
     vertices.set(i, vertex);
 }
-
-/// What a surface sends back along a ray of one place of one light, by a shadow ray, beside paths that meet it: radiance for the path's
-/// throughput, the number of rays, and whether one was lost.
-#[inline]
-fn next_event(
-    direction: Vec3,
-    cos: f32,
-    surface: &Surface,
-    primitive: &Primitive,
-    index: u32,
-    material: &Material,
-    medium: u32,
-    place: [f32; 3],
-    info: &SceneInfo,
-    nodes: &Input<BvhNode>,
-    primitives: &Input<Primitive>,
-    materials: &Input<Material>,
-    lights: &Input<Light>,
-) -> (Vec3, u32, bool) {
-    let nothing = (Vec3::ZERO, 0, false);
-    let light = lights[choose_light(place[0], info, lights) as usize];
-    let glimpse = look::<true>(&light, surface.position, place[1], place[2]);
-    if glimpse.distance <= 0.0 {
-        return nothing;
-    }
-    let out = glimpse.direction;
-    let (value, pdf) = evaluate(material, direction, out, surface.shading);
-    let geometry = glimpse.geometry(1.0, light.probability);
-    let mut radiance = value * glimpse.emission * geometry;
-    if radiance.x + radiance.y + radiance.z <= 0.0 {
-        return nothing;
-    }
-    // The sampler's side by the shading normal has to be the side by the surface itself, or light would leak through.
-    let by_surface = dot(out, surface.normal) > 0.0;
-    if by_surface != (dot(out, surface.shading) > 0.0) {
-        return nothing;
-    }
-    if is_surface(&light) {
-        radiance *= power_heuristic(div(1.0, geometry), pdf);
-    }
-    let side = if by_surface { surface.normal } else { -surface.normal };
-    // The light is in the medium that the shadow ray is in.
-    let medium = medium_after(medium, material, index, cos, surface.normal, side);
-    radiance *= through(medium, glimpse.distance, materials) * outside(medium, materials);
-    let origin = leave(surface.position, side, primitive);
-    let blocker = occluded::<true>(origin, out, glimpse.distance, light.primitive, info, nodes, primitives);
-    if blocker == BLOCKED { (Vec3::ZERO, 1, false) } else { (radiance, 1, blocker == LOST) }
-}
-
-/// Share of the light that is left after some way through a medium.
-#[inline]
-fn through(medium: u32, distance: f32, materials: &Input<Material>) -> Vec3 {
-    if medium == VACUUM { Vec3::ONE } else { transmittance(&materials[medium as usize], distance) }
-}
-
-/// What radiance inside of a medium is multiplied with where it is seen from outside.
-#[inline]
-fn outside(medium: u32, materials: &Input<Material>) -> f32 {
-    if medium == VACUUM { 1.0 } else { seen_from_outside(&materials[medium as usize]) }
 }

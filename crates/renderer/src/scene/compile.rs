@@ -97,7 +97,11 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
     let basic_light = |light: &Light| light.kind == LIGHT_AREA || light.kind == LIGHT_POINT;
     let more =
         content.camera.lens_radius > 0.0 || materials.iter().any(beyond_basic) || !lights.iter().all(basic_light);
-    let basic = |primitive: &Primitive| matches!(primitive.kind, PRIMITIVE_QUAD | PRIMITIVE_SPHERE);
+    // What lies behind a dielectric that is no closed sphere is inside of it, which only FULL kernels know.
+    let basic = |primitive: &Primitive| match primitive.kind {
+        PRIMITIVE_QUAD => materials[primitive.material as usize].kind != MATERIAL_DIELECTRIC,
+        kind => kind == PRIMITIVE_SPHERE,
+    };
     let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
     CompiledScene {
         info: SceneInfo {
