@@ -76,3 +76,4 @@ pub(super) fn through(medium: u32, distance: f32, materials: &Input<Material>) -
 #[inline]
 pub(super) fn outside(medium: u32, materials: &Input<Material>) -> f32 {
     if medium == VACUUM { 1.0 } else { seen_from_outside(&materials[medium as usize]) }
+}

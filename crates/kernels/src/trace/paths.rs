@@ -93,8 +93,8 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
             let place = [draw[0], draw[1], draw[2]];
             let index = primitive.material;
             let lit = next_event::<false>(
-                direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes, primitives, materials,
-                lights,
+                direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes, primitives,
+                materials, lights,
             );
             radiance += throughput * lit.0;
             vertex.rays += lit.1;
@@ -130,5 +130,4 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     }
     vertex.emitted = radiance.to_array();
     vertices.set(i, vertex);
-}
 }
