@@ -21,7 +21,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
     for _ in 0..rays {
         let (origin, direction) = ray(&mut random, scene, side, last);
         let expected = linear(origin, direction, &scene.primitives);
-        let found = closest_hit::<true>(origin, direction, &scene.info, nodes, &scene.primitives);
+        let found = closest_hit::<false>(origin, direction, &scene.info, nodes, &scene.primitives);
         let mut same = (found.t.to_bits(), found.primitive) == (expected.t.to_bits(), expected.primitive);
         // Shadow rays that end before, at, and after something.
         let distance = expected.t.min(side) * [0.5, 1.0, 1.000_001, 3.0][random.below(4) as usize];
@@ -30,7 +30,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
             let t = intersect(origin, direction, primitive);
             i != except && t > 0.0 && t < distance
         });
-        let shadow = occluded::<true>(origin, direction, distance, except, &scene.info, nodes, &scene.primitives);
+        let shadow = occluded::<false>(origin, direction, distance, except, &scene.info, nodes, &scene.primitives);
         same &= shadow == if blocked { BLOCKED } else { MISS };
         differ += u32::from(!same);
         met += u32::from(expected.primitive != MISS);

@@ -5,8 +5,10 @@ use caustic_kernels::gather::GatherParams;
 use caustic_kernels::grid::{Grid, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
 use caustic_kernels::sort::ScanParams;
-use caustic_photon_map::{Gather, Hash, MapOptions, PhotonMap, RadixSort};
+use caustic_photon_map::{Filter, Gather, Hash, MapOptions, PhotonMap, RadixSort, Surface};
 use caustic_recorder::{Counts, Recorder, StageAccesses};
+use caustic_renderer::output::LayerKind;
+use caustic_renderer::{Integrator, Settings};
 use caustic_rivals::{Photons, Technique, k_nearest};
 use caustic_tests::points::sets;
 use caustic_tests::renders;
@@ -172,8 +174,18 @@ fn recorded_kernels_write_what_the_fast_ones_write() {
             }
         }
     }
-    let scene = renders::load("cornell");
-    renders::image(&scene, &renders::small(&scene), &device);
+    // All kinds of pictures: of a scene that takes the basic kernels and of one that takes the full ones.
+    for name in ["cornell", "cornell-glossy"] {
+        let scene = renders::load(name);
+        let small = Settings { size: [12, 9], ..renders::small(&scene) };
+        renders::image(&scene, &Settings { layers: LayerKind::OF_PHOTON_MAPS.to_vec(), ..small.clone() }, &device);
+        renders::image(&scene, &Settings { integrator: Integrator::Path, ..small.clone() }, &device);
+        for hash in [Hash::Linear, Hash::Morton] {
+            let (surface, filter) = (Surface::Own, Filter::Gaussian);
+            let other = Settings { hash, surface, filter, automatic_radius: true, final_gather: 2, ..small.clone() };
+            renders::image(&scene, &other, &device);
+        }
+    }
     let keys = device.upload("keys", &(0..9000u32).rev().collect::<Vec<_>>()).unwrap();
     let mut plan = Plan::new();
     RadixSort::plan_plain(&device, &mut plan, &keys, 9000, 16).unwrap();

@@ -58,25 +58,27 @@ pub struct Pixel {
 /// should know about floating-point arithmetic", 1991, theorem 8), against n·2⁻²⁴ of plain addition.
 #[derive(Clone, Copy)]
 pub(super) struct Sum {
-    value: Vec3,
-    lost_digits: Vec3,
+    // Not vectors, which wgpu's translator would not let stand side by side in a struct of sums.
+    value: [f32; 3],
+    lost_digits: [f32; 3],
 }
 
 impl Sum {
-    pub(super) const ZERO: Self = Self { value: Vec3::ZERO, lost_digits: Vec3::ZERO };
+    pub(super) const ZERO: Self = Self { value: [0.0; 3], lost_digits: [0.0; 3] };
 
     #[inline]
     #[must_use]
     pub(super) fn with(self, sample: Vec3) -> Self {
-        let term = sample - self.lost_digits;
-        let value = self.value + term;
-        Self { value, lost_digits: (value - self.value) - term }
+        let before = Vec3::from_array(self.value);
+        let term = sample - Vec3::from_array(self.lost_digits);
+        let value = before + term;
+        Self { value: value.to_array(), lost_digits: ((value - before) - term).to_array() }
     }
 
     #[inline]
     #[must_use]
     pub(super) fn over(self, n: f32) -> Vec3 {
-        Vec3::new(div(self.value.x, n), div(self.value.y, n), div(self.value.z, n))
+        Vec3::new(div(self.value[0], n), div(self.value[1], n), div(self.value[2], n))
     }
 }
 
@@ -125,7 +127,8 @@ impl Parts {
     #[inline]
     #[must_use]
     pub(super) fn is_finite(&self) -> bool {
-        let all = (self.direct.value + self.global.value) + self.caustic.value;
+        let direct = Vec3::from_array(self.direct.value);
+        let all = (direct + Vec3::from_array(self.global.value)) + Vec3::from_array(self.caustic.value);
         is_finite(all.x) && is_finite(all.y) && is_finite(all.z)
     }
 }

@@ -72,9 +72,10 @@ pub fn closest_hit<const FULL: bool>(
             }
             i += 1;
         }
-        lost |= i < last;
+        lost |= i != last;
     }
-    if lost || at < end {
+    // Not what the loop ended with: a compiler would take that for known, and a device that ended it early would not be noticed.
+    if lost || at != end {
         best.primitive = LOST;
     }
     best
@@ -118,9 +119,9 @@ pub fn occluded<const FULL: bool>(
             }
             i += 1;
         }
-        lost |= i < last;
+        lost |= i != last;
     }
-    if found == MISS && (lost || at < end) { LOST } else { found }
+    if found == MISS && (lost || at != end) { LOST } else { found }
 }
 
 /// The smallest positive t at which the ray meets a primitive of any kind, or what is not positive.
