@@ -246,12 +246,12 @@ fn speed(report: &RenderReport) -> Option<String> {
 /// Whether an error is the input's or the machine's fault.
 pub fn failure(error: &RenderError) -> Failure {
     match error {
-        RenderError::AfterPass(_) => Failure::machine(error),
         RenderError::Interrupted => Failure::interrupted_before_image(),
-        RenderError::CutShort { .. } | RenderError::Map(MapError::CutShort { .. }) => Failure::machine(error),
-        RenderError::Map(MapError::Device(DeviceError::DeviceLost { .. } | DeviceError::Stage { .. })) => {
-            Failure::machine(error)
-        }
+        RenderError::AfterPass(_)
+        | RenderError::CutShort { .. }
+        | RenderError::Map(
+            MapError::CutShort { .. } | MapError::Device(DeviceError::DeviceLost { .. } | DeviceError::Stage { .. }),
+        ) => Failure::machine(error),
         RenderError::Setting { name, value, range } => {
             Failure::input(format!("--{name} is {value} but must be {range}"))
         }

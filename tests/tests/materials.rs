@@ -115,13 +115,13 @@ const LIGHTS: [&str; 5] = [
 /// Irradiance below the middle of each of [`LIGHTS`].
 fn expected(light: usize) -> f64 {
     match light {
-        0 | 4 => 9.0 / 9.0,                     // I / h²
+        0 | 4 => 1.0,                           // I / h², 9 / 3²
         1 => 2.0 * 2.0 / 5f64.sqrt(),           // E·cos θ
         2 => PI * 5.0 * (0.4f64 / 3.0).powi(2), // π·L·sin² of the half angle
         _ => {
             // Four corners of a quarter each: E = L/2·Σ of the edges' view factors of a rectangle above a parallel patch.
-            let x = 0.5 / 3.0;
-            let root = (1.0 + x * x as f64).sqrt();
+            let x: f64 = 0.5 / 3.0;
+            let root = (1.0 + x * x).sqrt();
             4.0 * 4.0 * 0.5 * 2.0 * (x / root) * (x / root).atan()
         }
     }

@@ -13,8 +13,8 @@ use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::Reach;
 use caustic_kernels::layout::{Irradiance, Query};
 use caustic_kernels::trace::{
-    Camera, CameraTile, FilmTile, GatherTile, LayerPixel, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_REACH, Pixel,
-    Vertex,
+    Camera, CameraTile, FilmTile, GatherTile, LayerPixel, MAX_BOUNCES, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL,
+    PART_REACH, Pixel, Vertex,
 };
 use caustic_photon_map::{PhotonMap, Seen};
 
@@ -98,7 +98,7 @@ impl<'a> Frame<'a> {
         }
         if report.paths_cut > 0 {
             let (cut, map) = (report.paths_cut, kind.map);
-            pass.problems.push(format!("{cut} paths of the {map} map were given up after 1024 bounces"));
+            pass.problems.push(format!("{cut} paths of the {map} map were given up after {MAX_BOUNCES} bounces"));
         }
         pass.problems.extend(ledger::problems(kind.map, &report.ledger));
         pass.maps.push(report);

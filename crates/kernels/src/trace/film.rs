@@ -135,7 +135,7 @@ impl Parts {
 
 /// Means the samples of pixel `i` of the tile, in their order, into the film.
 ///
-/// Each part has a mean of its own ([`Sum`]), and the pixel is their sum, (direct + global) + caustic: what an image of layers adds up to
+/// Each part has a compensated mean of its own, and the pixel is their sum, (direct + global) + caustic: what an image of layers adds up to
 /// has the bits of the picture. Each mean and each addition are rounded once more.
 #[inline]
 pub fn develop_film<P: Store<Pixel> + ?Sized>(

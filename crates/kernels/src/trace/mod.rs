@@ -49,4 +49,5 @@ pub use triangle::shares;
 /// Lanes of a tracing workgroup.
 pub const TRACE_LANES: u32 = 64;
 /// Bounces after which a path is given up. Russian roulette ends nearly all long before; the rest is counted.
-pub const MAX_BOUNCES: u32 = 1024;
+/// Few enough that llvmpipe, which ends loops after 65,535 turns, gives up the same paths: light that is caught in glass bounces that often.
+pub const MAX_BOUNCES: u32 = 256;

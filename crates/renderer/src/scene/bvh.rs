@@ -54,7 +54,7 @@ pub(super) fn nodes(primitives: &[Primitive], reach: f64) -> Lists {
 /// A box around all points that the kernels take for points of a primitive.
 fn bounds(primitive: &Primitive, reach: f64) -> Bounds {
     if primitive.kind == PRIMITIVE_TRIANGLE {
-        let [a, b, c] = corners_of(primitive).map(|corner| corner.as_dvec3());
+        let [a, b, c] = corners_of(primitive).map(glam::Vec3::as_dvec3);
         // A ray that is taken to meet the triangle passes it within 17 u R, from the roundings of the corners in its frame; where it is in
         // the box is known to 70 u R (`trace::triangle`).
         return outwards(a.min(b).min(c), a.max(b).max(c), reach * (96.0 * U + SLABS));

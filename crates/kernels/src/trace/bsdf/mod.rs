@@ -7,7 +7,7 @@
 //! | rough dielectric | glossy, on both sides; delta below [`SMOOTHEST`] |
 //! | layered | glossy, or delta below [`SMOOTHEST`], over diffuse |
 //!
-//! A diffuse lobe is a product f = [`entrance`](fn@entrance)(θ_i) · [`albedo_diffuse`](θ_o) / π: photons are stored with the power that enters, and their
+//! A diffuse lobe is a product f = [`entrance`](fn@entrance)(θ_i) · [`albedo_diffuse`](fn@albedo_diffuse)(θ_o) / π: photons are stored with the power that enters, and their
 //! irradiance is multiplied with the albedo. Both sides of a surface are made of its material. Directions are unit vectors, the
 //! one of arriving light points the way it travels, and the densities of directions are in sr⁻¹. The functions serve photons and eye paths alike:
 //! lobes are reciprocal, but for the square of the index of refraction, which is left to the media.

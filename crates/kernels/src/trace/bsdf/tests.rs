@@ -162,7 +162,8 @@ fn sampling_and_evaluation_agree() {
             for i in 0..500 {
                 for whole in [true, false] {
                     let u = random(i, 2);
-                    let (scattered, evaluated): (Scattered, fn(&Material, Vec3, Vec3, Vec3) -> (Vec3, f32)) = if whole {
+                    type Evaluate = fn(&Material, Vec3, Vec3, Vec3) -> (Vec3, f32);
+                    let (scattered, evaluated): (Scattered, Evaluate) = if whole {
                         (sample(&material, d, n, u), evaluate)
                     } else {
                         (sample_specular(&material, d, n, u), evaluate_specular)

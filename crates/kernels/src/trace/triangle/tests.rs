@@ -35,7 +35,7 @@ fn closed(centre: Vec3, size: f32, depth: u32, flat: f32) -> Vec<[Vec3; 3]> {
         mesh = mesh
             .iter()
             .flat_map(|&[a, b, c]| {
-                let [ab, bc, ca] = [a + b, b + c, c + a].map(|v| v.normalize());
+                let [ab, bc, ca] = [a + b, b + c, c + a].map(Vec3::normalize);
                 [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
             })
             .collect();
@@ -89,10 +89,9 @@ fn no_ray_leaves_a_closed_mesh() {
 #[test]
 fn a_crack_of_some_units_in_the_last_place_is_seen() {
     let mut mesh = closed(Vec3::ZERO, 1.0, 2, 1.0);
-    for i in 0..mesh.len() {
+    for [a, b, c] in &mut mesh {
         // Away from the opposite side's line, so that a gap opens.
-        let [a, b, c] = mesh[i];
-        mesh[i][0] = a + ((b + c) * 0.5 - a) * 4e-7;
+        *a += ((*b + *c) * 0.5 - *a) * 4e-7;
     }
     assert!(escapes(&mesh, Vec3::ZERO, 40_000) > 0);
 }
@@ -109,7 +108,7 @@ fn hits_are_where_f64_says() {
         let aim = corners[0] * (r[3].abs() * 0.5) + corners[1] * (s[3].abs() * 0.5) + corners[2] * (t[3].abs() * 0.5);
         let direction = normalize(aim - origin);
         let found = meet_triangle(origin, direction, Shear::new(direction), corners);
-        let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
         let (o, d) = (origin.as_dvec3(), direction.as_dvec3());
         let (e, f) = (b - a, c - a);
         let normal = e.cross(f);

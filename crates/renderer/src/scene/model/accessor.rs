@@ -38,7 +38,7 @@ pub(super) fn numbers<const N: usize>(accessor: &Accessor<'_>, buffers: &[Vec<u8
     let stride = from.stride().unwrap_or(each);
     let count = accessor.count();
     let end = (count.max(1) - 1).checked_mul(stride).and_then(|all| all.checked_add(accessor.offset() + each));
-    if count > 0 && (stride == 0 || !end.is_some_and(|end| end <= bytes.len())) {
+    if count > 0 && (stride == 0 || end.is_none_or(|end| end > bytes.len())) {
         return Err(wrong(&format!("whose {count} elements reach beyond the {} bytes of their view", bytes.len())));
     }
     let share = |x: f64, most: f64| if accessor.normalized() { (x / most).max(-1.0) } else { x };
