@@ -42,6 +42,11 @@ impl Failure {
         Self { code: 3, message: message.to_string() }
     }
 
+    /// The same with more to its message.
+    pub fn with_remark(self, remark: &str) -> Self {
+        Self { message: format!("{}; {remark}", self.message), ..self }
+    }
+
     /// The exit code.
     #[cfg(test)]
     pub fn code(&self) -> u8 {

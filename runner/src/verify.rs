@@ -36,7 +36,7 @@ pub fn run(arguments: &VerifyArguments) -> Result<(), Failure> {
     let mut monitor = Monitor::new(arguments.json);
     let found = verify(&gpu, gpu_from, seed, &mut |progress| monitor.show(progress));
     monitor.finish();
-    let found = found.map_err(|error| failure(&error))?;
+    let found = found.map_err(|error| failure(&error).with_remark(&again(seed)))?;
     if arguments.json {
         let mut value = serde_json::to_value(&found).map_err(Failure::machine)?;
         value["same"] = found.same().into();
@@ -54,11 +54,17 @@ fn outcome(found: &Verification) -> Result<(), Failure> {
     }
     Err(Failure::machine(match found.first() {
         Some((stage, first)) => format!(
-            "{} computes otherwise than the CPU; first in {stage}: {first}. Update its driver, or use --device cpu",
-            found.device
+            "{} computes otherwise than the CPU; first in {stage}: {first}. Update its driver, or use --device cpu; {}",
+            found.device,
+            again(found.seed)
         ),
         None => format!("{} lays records out otherwise than the CPU; use --device cpu", found.device),
     }))
+}
+
+/// How to have the same random inputs once more.
+fn again(seed: u32) -> String {
+    format!("--seed {seed} brings these inputs back")
 }
 
 fn stage(name: &str) -> Result<Kernel, Failure> {
@@ -93,7 +99,7 @@ fn print(found: &Verification) {
     if !found.layouts_wrong.is_empty() {
         println!("records laid out otherwise: {}", found.layouts_wrong.join(", "));
     }
-    println!("seed {} (--seed brings these inputs back)", found.seed);
+    println!("seed {}: {}", found.seed, again(found.seed));
     if !found.exact {
         println!("not exact here: words differ by up to {} ulp", all.most_ulps);
     }

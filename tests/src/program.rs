@@ -51,7 +51,6 @@ impl From<Output> for Run {
     }
 }
 
-/// Renders a scene.
 /// Runs the program.
 pub fn run(folder: &TempDir, arguments: &[&str]) -> Run {
     command(folder, arguments).output().expect("the program starts").into()
@@ -61,7 +60,7 @@ pub fn run(folder: &TempDir, arguments: &[&str]) -> Run {
 #[track_caller]
 pub fn succeeds(folder: &TempDir, arguments: &[&str]) -> Run {
     let run = run(folder, arguments);
-    assert_eq!(run.code, Some(0), "{arguments:?}: {run:?}");
+    assert_eq!(run.code, Some(0), "{arguments:?}: {}{}", run.stderr, run.stdout);
     run
 }
 
