@@ -43,7 +43,9 @@ fn cases(scope: &Scope, sweep: &Sweep) -> Vec<Case> {
 fn page(results: &Results, sweep: &Sweep) -> Page {
     let name = format!("construction-{}", sweep.map.name());
     let title = format!("Construction time over map size, {} map", sweep.map.name());
-    let chart = sweep.chart(results, &name, &title, Axis::Time, build_ms);
+    // What takes no time has no place on a logarithmic axis.
+    let built = |results: &Results, case: &Case| build_ms(results, case).filter(|_| case.subject != BRUTE);
+    let chart = sweep.chart(results, &name, &title, Axis::Time, built);
     let points = |subject| sweep.thesis_points(results, subject, build_ms);
     let (linear, teschner, kd) = (points(LINEAR), points(TESCHNER), points(KD));
     let constant = || {
@@ -71,7 +73,7 @@ fn page(results: &Results, sweep: &Sweep) -> Page {
             Claim::judge("“spatial hashing … is much faster than the kD-Tree approach” (5.1)", faster()),
             Claim::judge("“The kD-Tree construction cost increases with the amount of photons” (5.1)", increases()),
         ],
-        note: "From photons on the device to an index that can be searched, by the wall clock: allocations, all stages and waiting for them.",
+        note: "From photons on the device to an index that can be searched, by the wall clock: allocations, all stages and waiting for them. Brute force builds nothing.",
         ..Page::default()
     }
 }

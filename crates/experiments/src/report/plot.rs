@@ -2,7 +2,9 @@
 
 use crate::figure::{Axis, Chart};
 use caustic_bench::report::COLOURS;
+use plotters::coord::combinators::BindKeyPoints;
 use plotters::prelude::*;
+use std::ops::Range;
 
 /// Size, pixels.
 const SIZE: (u32, u32) = (1020, 500);
@@ -28,6 +30,7 @@ fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Erro
         if high > 0.0 { low / 1.3..high * 1.3 } else { 1.0..10.0 }
     };
     let (horizontal, vertical) = (range(|point| point.0), range(|point| point.1));
+    let [across, up] = [&horizontal, &vertical].map(|range| range.clone().log_scale().with_key_points(ticks(range)));
     let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
     root.fill(&WHITE)?;
     let (plot, beside) = root.split_horizontally(PLOT);
@@ -36,13 +39,11 @@ fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Erro
         .margin(12)
         .x_label_area_size(42)
         .y_label_area_size(74)
-        .build_cartesian_2d(horizontal.log_scale(), vertical.clone().log_scale())?;
+        .build_cartesian_2d(across, up)?;
     context
         .configure_mesh()
         .x_desc(chart.axes[0].description())
         .y_desc(chart.axes[1].description())
-        // As many as fit beside each other; of more, powers of ten alone are named.
-        .x_labels(14)
         .x_label_formatter(&|&x| number(chart.axes[0], x))
         .y_label_formatter(&|&y| number(chart.axes[1], y))
         .label_style(("sans-serif", 13))
@@ -70,10 +71,32 @@ fn draw(chart: &Chart, text: &mut String) -> Result<(), Box<dyn std::error::Erro
     Ok(())
 }
 
+/// Where a logarithmic axis has lines with numbers: powers of ten, where they are few also their doubles and fives, and even steps
+/// where those are few.
+fn ticks(range: &Range<f64>) -> Vec<f64> {
+    let within = |all: Vec<f64>| -> Vec<f64> { all.into_iter().filter(|x| range.contains(x)).collect() };
+    let decades = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
+    let of = |factors: &[f64]| {
+        within(decades.clone().flat_map(|n| factors.iter().map(move |f| f * 10f64.powi(n))).collect())
+    };
+    let (tens, more) = (of(&[1.0]), of(&[1.0, 2.0, 5.0]));
+    if tens.len() >= 4 {
+        return tens;
+    }
+    if more.len() >= 3 {
+        return more;
+    }
+    let rough = (range.end - range.start) / 4.0;
+    let power = 10f64.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|f| f * power).into_iter().find(|&step| step >= rough).unwrap_or(rough);
+    within((1..).map(|n| f64::from(n) * step).take_while(|&x| x < range.end).collect())
+}
+
 /// A number on an axis, short.
 fn number(axis: Axis, x: f64) -> String {
     let short = |x: f64, unit: &str| {
-        let text = if x >= 10.0 || x.fract() == 0.0 { format!("{x:.0}") } else { format!("{x}") };
+        // Five digits: what is beyond them comes of adding up steps.
+        let text = format!("{}", format!("{x:.4e}").parse().unwrap_or(x));
         format!("{text}{unit}")
     };
     match axis {
@@ -96,6 +119,21 @@ mod tests {
     fn chart(lines: Vec<Line>) -> Chart {
         let axes = [Axis::Photons, Axis::Time];
         Chart { name: "a".to_string(), title: "A title".to_string(), axes, thesis_to: Some(5e5), lines }
+    }
+
+    #[test]
+    fn every_axis_has_numbers_whatever_it_spans() {
+        assert_eq!(ticks(&(0.5..3e5)), [1.0, 10.0, 100.0, 1e3, 1e4, 1e5]);
+        assert_eq!(ticks(&(7e3..3e5)), [1e4, 2e4, 5e4, 1e5, 2e5]);
+        assert_eq!(ticks(&(61.0..89.0)), [70.0, 80.0]);
+        assert_eq!(ticks(&(1.0..1.9)), [1.0, 1.5]);
+        for spans in [1.7, 2.0, 5.0, 30.0, 1e3, 1e9] {
+            for start in [1e-7, 0.3, 1.0, 7.7, 9.9, 4.2e8] {
+                let count = ticks(&(start..start * spans)).len();
+                assert!((2..=10).contains(&count), "{count} from {start} over {spans}");
+            }
+        }
+        assert_eq!([61.0, 0.3, 1.5e4, 70.0 * 3.0].map(|x| number(Axis::Photons, x)), ["61", "0.3", "15 k", "210"]);
     }
 
     #[test]
