@@ -45,6 +45,9 @@ fn check(scene: &str, json: bool) -> Result<(), Failure> {
         "  surfaces   {quads} quads, {spheres} spheres, {discs} discs, {triangles} triangles ({smooth_triangles} with corners)"
     );
     println!("  looks      {materials} materials, {textures} textures, {lights} lights");
+    if let Some(environment) = &found.environment {
+        println!("  around it  {environment}");
+    }
     println!("  extent     {:?} to {:?} m", found.low, found.high);
     println!("  memory     {:.1} MiB on a device", found.bytes as f64 / f64::from(1 << 20));
     println!("  kernels    {}", if found.full { "full" } else { "basic" });

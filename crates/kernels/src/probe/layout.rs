@@ -128,7 +128,7 @@ layouts! {
     );
     /// Records of scenes.
     layout_scene(
-        info: SceneInfo { primitives, lights, targets, nodes, lists, first_corners },
+        info: SceneInfo { primitives, lights, targets, nodes, lists, first_corners, environment, sky },
         nodes: BvhNode { near, skip, far, leaf },
         primitives: Primitive { kind, material, light, size, position, normal, sides },
         materials: Material { reflectance, kind, ior, survival, texture, roughness_texture, roughness, metallic, absorption },

@@ -8,6 +8,7 @@ use super::light::{look_density, power_heuristic};
 use super::medium::{VACUUM, leaks, medium_after, medium_before};
 use super::next_event::{next_event, outside, through};
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
+use super::sky::leaving;
 use super::surface::{Corners, material_at, surface_at};
 use super::texture::{Texel, Texture};
 use super::vector::{dot, normalize};
@@ -146,6 +147,10 @@ pub(super) fn first_diffuse<const FULL: bool>(
         let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives);
         if hit.primitive == MISS || hit.primitive == LOST {
             vertex.primitive = hit.primitive;
+            if FULL && hit.primitive == MISS {
+                let found = leaving(direction, density, info, lights, textures, texels);
+                emitted += throughput * found * outside(medium, materials);
+            }
             break;
         }
         vertex.distance += hit.t;
@@ -212,6 +217,8 @@ pub(super) fn first_diffuse<const FULL: bool>(
                 primitives,
                 materials,
                 lights,
+                textures,
+                texels,
             );
             emitted += throughput * lit.0;
             vertex.rays += lit.1;

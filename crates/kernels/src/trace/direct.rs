@@ -6,6 +6,7 @@ use super::camera::{CameraTile, Vertex, pixel_sobol};
 use super::intersect::{LOST, MISS, leave, occluded};
 use super::light::{choose_light, look};
 use super::scene::{Light, Material, PRIMITIVE_SPHERE, Primitive, SceneInfo};
+use super::texture::{Texel, Texture};
 use super::vector::dot;
 use crate::exec::{Input, Store};
 use crate::gather::CUT_SHORT;
@@ -27,6 +28,8 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
     primitives: &Input<Primitive>,
     materials: &Input<Material>,
     lights: &Input<Light>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     queries: &Input<Query>,
     vertices: &Input<Vertex>,
     direct: &mut D,
@@ -52,7 +55,7 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
             side = if dot(side, normal) < 0.0 { -side } else { side };
         }
         let origin = leave(Vec3::from_array(query.position), side, &primitive);
-        let glimpse = look::<FULL>(&light, origin, at[0], at[1]);
+        let glimpse = look::<FULL>(&light, origin, at[0], at[1], info, textures, texels);
         if glimpse.distance > 0.0 {
             let direction = glimpse.direction;
             let cos = dot(normal, direction);

@@ -1,14 +1,19 @@
 //! Lights as a point of a surface sees them.
 
-use super::scene::{LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, SceneInfo};
+use super::scene::{
+    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light,
+    SceneInfo,
+};
+use super::sky::look_at_sky;
+use super::texture::{Texel, Texture};
 use super::vector::{cone, dot, normalize, sample_cone};
 use crate::exec::Input;
-use crate::num::{div, max, min, sqrt};
+use crate::num::{div, max, min, sin_cos_turns, sqrt};
 use glam::Vec3;
 
 const PI: f32 = core::f32::consts::PI;
 
-/// Farther than any surface: where a directional light is.
+/// Farther than any surface: where directional light and an environment are.
 pub const FAR_AWAY: f32 = 1e30;
 
 /// One place of a light, as it is seen from a point.
@@ -17,15 +22,15 @@ pub struct Glimpse {
     pub direction: Vec3,
     /// Distance, m; 0 if there is nothing to be seen.
     pub distance: f32,
-    /// Radiance, W·sr⁻¹·m⁻², of what has an area; intensity, W·sr⁻¹, of a point or spot; irradiance of what faces it, W·m⁻², of a
+    /// Radiance, W·sr⁻¹·m⁻², of what has an area or fills a solid angle; intensity, W·sr⁻¹, of a point or spot; irradiance of what faces it, W·m⁻², of a
     /// directional light.
     pub emission: Vec3,
     /// What the emission is divided by: the distance squared, m², or 1.
-    spread: f32,
+    pub(super) spread: f32,
     /// What it is multiplied with: one over the density with which the place was drawn, m² or sr.
-    extent: f32,
+    pub(super) extent: f32,
     /// Cosine of the angle at which an area is seen.
-    slant: f32,
+    pub(super) slant: f32,
 }
 
 impl Glimpse {
@@ -56,11 +61,25 @@ pub fn choose_light(u: f32, info: &SceneInfo, lights: &Input<Light>) -> u32 {
     first
 }
 
-/// Whether a ray can meet the light, because it is a surface.
+/// Whether the light is a surface.
 #[inline]
 #[must_use]
-pub fn is_surface(light: &Light) -> bool {
-    light.kind == LIGHT_AREA || light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_SPHERE
+pub fn is_surface<const FULL: bool>(light: &Light) -> bool {
+    is_flat::<FULL>(light) || (FULL && light.kind == LIGHT_SPHERE)
+}
+
+/// Whether the light is a flat surface, which shines from its front.
+#[inline]
+#[must_use]
+pub fn is_flat<const FULL: bool>(light: &Light) -> bool {
+    light.kind == LIGHT_AREA || (FULL && (light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_DISC))
+}
+
+/// Whether a ray can find the light by itself.
+#[inline]
+#[must_use]
+pub fn can_be_met(light: &Light) -> bool {
+    is_surface::<true>(light) || light.kind == LIGHT_ENVIRONMENT
 }
 
 /// Point (u, v) of a flat light, evenly drawn, or the place of a point light.
@@ -74,7 +93,13 @@ pub fn light_point<const FULL: bool>(light: &Light, u: f32, v: f32) -> Vec3 {
         u = 1.0 - u;
         v = 1.0 - v;
     }
-    if light.kind == LIGHT_AREA || (FULL && light.kind == LIGHT_TRIANGLE) {
+    if FULL && light.kind == LIGHT_DISC {
+        let (sin, cos) = sin_cos_turns(v);
+        let r = sqrt(u);
+        u = r * cos;
+        v = r * sin;
+    }
+    if is_flat::<FULL>(light) {
         position + Vec3::from_array(light.edges[0]) * u + Vec3::from_array(light.edges[1]) * v
     } else {
         position
@@ -99,7 +124,18 @@ pub fn spot_falloff(light: &Light, direction: Vec3) -> f32 {
 /// Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG 1996).
 #[inline]
 #[must_use]
-pub fn look<const FULL: bool>(light: &Light, from: Vec3, u: f32, v: f32) -> Glimpse {
+pub fn look<const FULL: bool>(
+    light: &Light,
+    from: Vec3,
+    u: f32,
+    v: f32,
+    info: &SceneInfo,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
+) -> Glimpse {
+    if FULL && light.kind == LIGHT_ENVIRONMENT {
+        return look_at_sky(light, u, v, info, textures, texels);
+    }
     let mut glimpse = Glimpse {
         direction: Vec3::Z,
         distance: 0.0,
@@ -136,7 +172,7 @@ pub fn look<const FULL: bool>(light: &Light, from: Vec3, u: f32, v: f32) -> Glim
         glimpse.direction = to_light * div(1.0, distance);
         glimpse.distance = distance;
         glimpse.spread = distance2;
-        if light.kind == LIGHT_AREA || (FULL && light.kind == LIGHT_TRIANGLE) {
+        if is_flat::<FULL>(light) {
             glimpse.slant = max(0.0, -dot(Vec3::from_array(light.normal), glimpse.direction));
             glimpse.extent = light.area;
         }

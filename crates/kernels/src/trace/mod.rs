@@ -22,6 +22,7 @@ mod next_event;
 mod paths;
 mod photons;
 mod scene;
+pub mod sky;
 mod surface;
 mod texture;
 mod triangle;
@@ -38,7 +39,7 @@ pub use ledger::{LEDGER_PATHS, LedgerBlock, LedgerPass, LedgerSum, Tally, sum_le
 pub use paths::trace_paths;
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
-    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC,
+    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC,
     MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR, MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE,
     PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
 };

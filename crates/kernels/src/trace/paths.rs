@@ -13,6 +13,7 @@ use super::light::{look_density, power_heuristic};
 use super::medium::{VACUUM, leaks, medium_after, medium_before};
 use super::next_event::{next_event, outside, through};
 use super::scene::{Light, Material, NO_LIGHT, Primitive, SceneInfo};
+use super::sky::leaving;
 use super::surface::{Corners, material_at, surface_at};
 use super::texture::{Texel, Texture};
 use super::vector::dot;
@@ -71,6 +72,10 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
         }
         if hit.primitive == MISS || hit.primitive == LOST {
             lost = lost || hit.primitive == LOST;
+            if hit.primitive == MISS {
+                let found = leaving(direction, density, info, lights, textures, texels);
+                radiance += throughput * found * outside(medium, materials);
+            }
             break;
         }
         let primitive = primitives[hit.primitive as usize];
@@ -94,7 +99,7 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
             let index = primitive.material;
             let lit = next_event::<false>(
                 direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes, primitives,
-                materials, lights,
+                materials, lights, textures, texels,
             );
             radiance += throughput * lit.0;
             vertex.rays += lit.1;

@@ -175,7 +175,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
 ) -> Walked {
     let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false, tally: Tally::nothing() };
     let rng = Rng { seed: pass.seed, stream: pass.rays, index: path };
-    let start = emit::<FULL>(path, pass, info, lights, targets);
+    let start = emit::<FULL>(path, pass, info, lights, targets, textures, texels);
     let mut power = start.power;
     walked.tally.emitted = power.to_array();
     if power.x + power.y + power.z <= 0.0 {

@@ -1,5 +1,6 @@
 //! What a scene holds once it is checked: everything in f64, as it was given.
 
+use super::sky::Sky;
 use caustic_kernels::trace::{Corners, Texel, Texture};
 use glam::DVec3;
 
@@ -22,6 +23,7 @@ pub(super) struct Content {
     pub texels: Vec<Texel>,
     pub points: Vec<PointLight>,
     pub suns: Vec<Sun>,
+    pub sky: Option<Sky>,
     /// Where the origin of all coordinates lies in the file's, m.
     pub origin: DVec3,
 }
@@ -206,6 +208,15 @@ pub(super) enum Shape {
     Triangle {
         corners: [DVec3; 3],
     },
+}
+
+/// Lights that are not surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lamps {
+    pub points: Vec<PointLight>,
+    pub suns: Vec<Sun>,
+    /// The environment.
+    pub sky: Option<Sky>,
 }
 
 /// A light that is a point.

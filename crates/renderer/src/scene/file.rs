@@ -168,8 +168,10 @@ pub(super) struct DiscTable {
     pub normal: Numbers<3>,
     /// Radius, m.
     pub radius: f64,
-    /// Its material.
-    pub material: String,
+    /// Its material; a disc that emits may have none and is then black.
+    pub material: Option<String>,
+    /// Radiance that the front emits, W·sr⁻¹·m⁻².
+    pub radiance: Option<Numbers<3>>,
 }
 
 /// `[[meshes]]`: triangles, from a file or given here.
@@ -254,6 +256,12 @@ pub(super) struct LightTable {
     pub outer_degrees: Option<f64>,
     /// Irradiance of directional light on what faces it, W·m⁻².
     pub irradiance: Option<Numbers<3>>,
+    /// Radiance of an environment, W·sr⁻¹·m⁻², the same from everywhere; with a file, what its pixels are multiplied with, 1 if it is not given.
+    pub radiance: Option<Numbers<3>>,
+    /// An EXR or HDR file, relative to the scene's, of an environment by longitude and latitude; or "built-in:sky".
+    pub file: Option<String>,
+    /// Angle by which an environment is turned about the y axis, counter-clockwise as seen from above, degrees; 0 if it is not given.
+    pub rotation_degrees: Option<f64>,
 }
 
 /// The kinds of lights that are not surfaces.
@@ -266,6 +274,8 @@ pub(super) enum LightKind {
     Spot,
     /// Shines in one direction, from infinitely far away.
     Directional,
+    /// Shines from all around, from infinitely far away. A scene has one at most.
+    Environment,
 }
 
 /// An array of exactly `N` numbers. (Serde's own arrays ignore what follows the last.)

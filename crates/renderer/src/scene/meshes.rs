@@ -1,6 +1,6 @@
 //! Meshes: from the parts of models to triangles of a scene.
 
-use super::content::{Content, PointLight, Shape, Sun, Surface, Viewpoint};
+use super::content::{Content, Lamps, Shape, Surface, Viewpoint};
 use super::limits::MAX_SURFACES;
 use super::model::{Finish, Model, Part, Picture};
 use super::surfaces::Palette;
@@ -49,13 +49,19 @@ impl Assembly {
 
     /// Adds a picture and returns its index.
     pub fn add_picture(&mut self, picture: &Picture) -> Result<u32, String> {
-        if self.texels.len() + picture.texels.len() > MAX_TEXELS {
-            return Err(format!("makes more than {MAX_TEXELS} texels of pictures; use smaller ones"));
-        }
-        let first = self.texels.len() as u32;
-        self.texels.extend(&picture.texels);
+        let first = self.add_texels(picture.texels.iter().copied())?;
         self.textures.push(Texture { first, width: picture.width, height: picture.height, wrap: picture.wrap });
         Ok(self.textures.len() as u32 - 1)
+    }
+
+    /// Adds texels, and returns the index of the first.
+    pub fn add_texels(&mut self, texels: impl IntoIterator<Item = Texel>) -> Result<u32, String> {
+        let first = self.texels.len();
+        self.texels.extend(texels);
+        if self.texels.len() > MAX_TEXELS {
+            return Err(format!("makes more than {MAX_TEXELS} texels of pictures; use smaller ones"));
+        }
+        Ok(first as u32)
     }
 
     /// Adds the triangles of a part, which is an object.
@@ -107,8 +113,7 @@ impl Assembly {
         mut self,
         camera: Viewpoint,
         palette: Palette,
-        points: Vec<PointLight>,
-        suns: Vec<Sun>,
+        lamps: Lamps,
     ) -> (Content, Option<String>) {
         self.surfaces.sort_by_key(|surface| surface.has_corners);
         let count = self.degenerate;
@@ -123,8 +128,9 @@ impl Assembly {
             corners: self.corners,
             textures: self.textures,
             texels: self.texels,
-            points,
-            suns,
+            points: lamps.points,
+            suns: lamps.suns,
+            sky: lamps.sky,
         };
         (content, note)
     }

@@ -33,6 +33,7 @@ mod load;
 mod meshes;
 mod model;
 mod place;
+mod sky;
 mod substances;
 mod surfaces;
 mod targets;

@@ -154,7 +154,7 @@ pub(super) fn disc(
     document: &Document<'_>,
     path: &Path,
     table: &DiscTable,
-    palette: &Palette,
+    palette: &mut Palette,
 ) -> Result<Surface, SceneError> {
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let normal = vector(document, &path.key("normal"), table.normal)?;
@@ -162,9 +162,9 @@ pub(super) fn disc(
         return Err(document.field_error(&path.key("normal"), "has no length; use [0, 1, 0], for example"));
     }
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
-    let material = palette.find(document, &path.key("material"), &table.material)?;
+    let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
     let edge_u = normal.normalize().any_orthonormal_vector() * (2.0 * radius);
     let edge_v = normal.normalize().cross(edge_u);
     let shape = Shape::Disc { corner: centre - (edge_u + edge_v) / 2.0, edge_u, edge_v };
-    Ok(Surface { shape, material, radiance: None, object: 0, has_corners: false })
+    Ok(Surface { shape, material, radiance, object: 0, has_corners: false })
 }
