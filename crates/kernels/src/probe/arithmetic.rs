@@ -2,8 +2,8 @@
 
 use crate::exec::Store;
 use crate::num::{
-    Limbs, atan2_turns, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns, sqrt,
-    total_order_key,
+    Limbs, atan2_turns, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow,
+    sin_cos_turns, sqrt, total_order_key,
 };
 use bytemuck::{Pod, Zeroable};
 

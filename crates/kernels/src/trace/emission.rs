@@ -1,15 +1,16 @@
 //! How photons leave the lights.
 
-use super::light::{is_surface, light_point, spot_falloff};
+use super::light::{emission_at, is_surface, light_point, place_on_light, spot_falloff};
 use super::photons::{PhotonPass, RAY_GLOBAL};
 use super::scene::{
     LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_SPHERE, LIGHT_SPOT, Light, NO_LIGHT, SceneInfo, Target,
 };
 use super::sky::{sample_sky, sky_radiance};
+use super::surface::Corners;
 use super::texture::{Texel, Texture};
-use super::vector::{axis_direction, cone, dot, sample_cone, sample_cosine};
+use super::vector::{axis_direction, cone, cone_density, dot, sample_cone, sample_cosine, sample_disc};
 use crate::exec::Input;
-use crate::num::{Rng, div, sin_cos_turns, sqrt};
+use crate::num::{Rng, div};
 use glam::Vec3;
 
 const PI: f32 = core::f32::consts::PI;
@@ -63,6 +64,7 @@ pub fn emit<const FULL: bool>(
     info: &SceneInfo,
     lights: &Input<Light>,
     targets: &Input<Target>,
+    corners: &Input<Corners>,
     textures: &Input<Texture>,
     texels: &Input<Texel>,
 ) -> Emitted {
@@ -71,7 +73,7 @@ pub fn emit<const FULL: bool>(
     let aim = rng.draw4(1);
     let light = lights[light_of_photon(index, info, lights) as usize];
     let share = div(1.0, light.photons as f32);
-    let emission = Vec3::from_array(light.emission);
+    let mut emission = Vec3::from_array(light.emission);
     if FULL && light.kind == LIGHT_DIRECTIONAL {
         let (direction, middle) = (Vec3::from_array(light.normal), Vec3::from_array(light.position));
         return emit_parallel(pass.rays, &light, direction, middle, emission * share, targets, place, aim);
@@ -84,6 +86,10 @@ pub fn emit<const FULL: bool>(
         return emit_parallel(pass.rays, &light, -drawn.direction, middle, irradiance, targets, place, aim);
     }
     let mut origin = light_point::<FULL>(&light, place[1], place[2]);
+    if FULL {
+        let uv = place_on_light(&light, place[1], place[2], info, corners);
+        emission = emission_at::<FULL>(&light, uv, textures, texels);
+    }
     let mut normal = Vec3::from_array(light.normal);
     if FULL && light.kind == LIGHT_SPHERE {
         normal = sample_cone(Vec3::Z, 2.0, place[1], place[2]);
@@ -124,7 +130,7 @@ pub fn emit<const FULL: bool>(
         let one_minus_cos = cone(axis, target.radius);
         // The chosen cone holds its direction whatever rounding says of one on its rim.
         if j == chosen || dot(direction, axis_direction(axis)) >= 1.0 - one_minus_cos {
-            density += div(1.0, 2.0 * PI * one_minus_cos);
+            density += cone_density(one_minus_cos);
         }
         j += 1;
     }
@@ -164,16 +170,15 @@ fn emit_parallel(
     place: [f32; 4],
     aim: [f32; 4],
 ) -> Emitted {
-    let (sin, cos) = sin_cos_turns(place[2]);
-    let r = sqrt(place[1]);
+    let [x, y] = sample_disc(place[1], place[2]);
     if rays == RAY_GLOBAL {
         let radius = light.edges[0][0];
-        let origin = middle + across(direction, r * cos, r * sin) * radius;
+        let origin = middle + across(direction, x, y) * radius;
         return Emitted { origin, normal: direction, direction, power: emission * light.area, primitive: NO_LIGHT };
     }
     let chosen = choose_target(aim[2], light);
     let target = targets[chosen as usize];
-    let origin = shadow(&target, direction, middle) + across(direction, r * cos, r * sin) * target.radius;
+    let origin = shadow(&target, direction, middle) + across(direction, x, y) * target.radius;
     let mut density = 0.0;
     let mut j = light.first_target;
     while j < light.first_target + light.targets {

@@ -6,7 +6,7 @@ use super::intersect::{BLOCKED, LOST, leave, occluded};
 use super::light::{can_be_met, choose_light, look, power_heuristic};
 use super::medium::{VACUUM, medium_after, seen_from_outside, transmittance};
 use super::scene::{Light, Material, Primitive, SceneInfo};
-use super::surface::Surface;
+use super::surface::{Corners, Surface};
 use super::texture::{Texel, Texture};
 use super::vector::dot;
 use crate::exec::Input;
@@ -32,12 +32,13 @@ pub(super) fn next_event<const GLOSS: bool>(
     primitives: &Input<Primitive>,
     materials: &Input<Material>,
     lights: &Input<Light>,
+    corners: &Input<Corners>,
     textures: &Input<Texture>,
     texels: &Input<Texel>,
 ) -> (Vec3, u32, bool) {
     let nothing = (Vec3::ZERO, 0, false);
     let light = lights[choose_light(place[0], info, lights) as usize];
-    let glimpse = look::<true>(&light, surface.position, place[1], place[2], info, textures, texels);
+    let glimpse = look::<true>(&light, surface.position, place[1], place[2], info, corners, textures, texels);
     if glimpse.distance <= 0.0 {
         return nothing;
     }
@@ -65,7 +66,20 @@ pub(super) fn next_event<const GLOSS: bool>(
     let medium = medium_after(medium, material, index, cos, surface.normal, side);
     radiance *= through(medium, glimpse.distance, materials) * outside(medium, materials);
     let origin = leave(surface.position, side, primitive);
-    let blocker = occluded::<true>(origin, out, glimpse.distance, light.primitive, info, nodes, primitives);
+    let except = light.primitive;
+    let blocker = occluded::<true>(
+        origin,
+        out,
+        glimpse.distance,
+        except,
+        info,
+        nodes,
+        primitives,
+        materials,
+        corners,
+        textures,
+        texels,
+    );
     if blocker == BLOCKED { (Vec3::ZERO, 1, false) } else { (radiance, 1, blocker == LOST) }
 }
 

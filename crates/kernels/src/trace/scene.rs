@@ -67,6 +67,8 @@ pub struct SceneInfo {
     /// Index of the environment's picture. After the picture's texels there are tables, of sums of chances in [`Texel::rg`](super::Texel::rg) and the
     /// chances in [`Texel::ba`](super::Texel::ba), as bits of floats that are multiples of 2⁻²⁴: one of its rows, then one a row of its pixels.
     pub sky: u32,
+    /// 1 if there are materials with holes, [`Material::alpha_cutoff`], and 0 otherwise.
+    pub holes: u32,
 }
 
 /// A quad, a sphere, a triangle or a disc.
@@ -114,6 +116,13 @@ pub struct Material {
     pub metallic: f32,
     /// Absorption coefficient of the inside of a dielectric, m⁻¹, for each of red, green and blue.
     pub absorption: [f32; 3],
+    /// Index of the texture that bends the shading normal, as in glTF: red to the right, green up, blue along the normal, each
+    /// from −1 to 1 as 0 to 1; or [`NO_TEXTURE`].
+    pub normal_texture: u32,
+    /// What red and green of that are multiplied with.
+    pub normal_scale: f32,
+    /// The surface has holes where the alpha of [`texture`](Self::texture) is below this; 0 if it has none.
+    pub alpha_cutoff: f32,
 }
 
 /// A light.
@@ -151,6 +160,8 @@ pub struct Light {
     pub first_target: u32,
     /// How many targets it can see: they follow each other.
     pub targets: u32,
+    /// Index of the texture that the emission of a flat light is multiplied with, or [`NO_TEXTURE`].
+    pub texture: u32,
 }
 
 /// The sphere around a specular object, at which caustic photons are aimed.
@@ -164,9 +175,9 @@ pub struct Target {
 }
 
 const _: () = {
-    assert!(size_of::<SceneInfo>() == 32);
+    assert!(size_of::<SceneInfo>() == 36);
     assert!(size_of::<Primitive>() == 64);
-    assert!(size_of::<Material>() == 52);
-    assert!(size_of::<Light>() == 96);
+    assert!(size_of::<Material>() == 64);
+    assert!(size_of::<Light>() == 100);
     assert!(size_of::<Target>() == 16);
 };

@@ -6,11 +6,10 @@ use super::lights::{Source, chances, share_photons};
 use super::substances::smoothest;
 use super::targets::{aim, targets};
 use caustic_kernels::trace::{
-    BvhNode, Corners, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT,
-    LIGHT_TRIANGLE, Light,
-    MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR, MATERIAL_ROUGH_DIELECTRIC, Material,
-    NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive,
-    RAY_GLOBAL, SceneInfo, Target, Texel, Texture,
+    BvhNode, Corners, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPHERE,
+    LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR,
+    MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD,
+    PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, RAY_GLOBAL, SceneInfo, Target, Texel, Texture,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -73,6 +72,24 @@ const MOST_BEYOND: f64 = 1.0 / 1024.0;
 /// Most of the way to a triangle's middle by which hits are drawn in, however small it is in its scene.
 const MOST_INWARDS: f64 = 1.0 / 64.0;
 
+/// A light of which nothing is known yet.
+const UNLIT: Light = Light {
+    emission: [0.0; 3],
+    kind: LIGHT_POINT,
+    position: [0.0; 3],
+    primitive: NO_LIGHT,
+    edges: [[0.0; 3]; 2],
+    normal: [0.0; 3],
+    area: 0.0,
+    probability: 0.0,
+    cumulative: 0.0,
+    first_photon: 0,
+    photons: 0,
+    first_target: 0,
+    targets: 0,
+    texture: NO_TEXTURE,
+};
+
 /// Compiles a scene.
 pub(super) fn compile(content: &Content) -> CompiledScene {
     let sources = sources(content);
@@ -115,6 +132,7 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
             first_corners: (primitives.len() - content.corners.len()) as u32,
             environment: if content.sky.is_some() { lights.len() as u32 - 1 } else { NO_LIGHT },
             sky: content.sky.as_ref().map_or(NO_TEXTURE, |sky| sky.texture),
+            holes: u32::from(content.pictures.iter().any(|pictures| pictures.cutoff > 0.0)),
         },
         full: more || lists < OCTANTS || !content.textures.is_empty() || !primitives.iter().all(basic),
         corners: content.corners.clone(),
@@ -135,17 +153,19 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
 fn sources(content: &Content) -> Vec<Source> {
     let surfaces = content.surfaces.iter().enumerate().filter_map(|(i, surface)| {
         let radiance = surface.radiance?;
-        let light = Light { emission: rounded(radiance), primitive: i as u32, ..shape_of_light(&surface.shape) };
-        Some(Source { light, surface: Some(i), power_w: radiance * (PI * f64::from(light.area)) })
+        let picture = content.pictures[surface.material].emission;
+        let light = Light {
+            emission: rounded(radiance),
+            primitive: i as u32,
+            texture: picture.unwrap_or(NO_TEXTURE),
+            ..shape_of_light(&surface.shape)
+        };
+        let mean = picture.map_or(DVec3::ONE, |at| content.mean_texel(i, at));
+        Some(Source { light, surface: Some(i), power_w: radiance * mean * (PI * f64::from(light.area)) })
     });
     let points = content.points.iter().map(|point| {
-        let light = Light {
-            emission: rounded(point.intensity),
-            kind: LIGHT_POINT,
-            position: rounded(point.position),
-            primitive: NO_LIGHT,
-            ..Light::default()
-        };
+        let light =
+            Light { emission: rounded(point.intensity), kind: LIGHT_POINT, position: rounded(point.position), ..UNLIT };
         let Some(Spot { axis, inner, outer }) = point.spot else {
             return Source { light, surface: None, power_w: point.intensity * (4.0 * PI) };
         };
@@ -164,11 +184,10 @@ fn sources(content: &Content) -> Vec<Source> {
             emission: rounded(sun.irradiance),
             kind: LIGHT_DIRECTIONAL,
             position: rounded(middle - sun.direction * radius),
-            primitive: NO_LIGHT,
             edges: [[radius as f32, 0.0, 0.0], [0.0; 3]],
             normal: rounded(sun.direction),
             area: area as f32,
-            ..Light::default()
+            ..UNLIT
         };
         Source { light, surface: None, power_w: sun.irradiance * area }
     });
@@ -179,10 +198,9 @@ fn sources(content: &Content) -> Vec<Source> {
             emission: rounded(sky.emission),
             kind: LIGHT_ENVIRONMENT,
             position: rounded(middle),
-            primitive: NO_LIGHT,
             edges: [[radius as f32, 0.0, 0.0], [cos as f32, sin as f32, 0.0]],
             area: area as f32,
-            ..Light::default()
+            ..UNLIT
         };
         Source { light, surface: None, power_w: sky.fluence * area }
     });
@@ -200,7 +218,7 @@ fn shape_of_light(shape: &Shape) -> Light {
             edges: [rounded(edge_u), rounded(edge_v)],
             normal: rounded(normal / area),
             area: (area * part) as f32,
-            ..Light::default()
+            ..UNLIT
         }
     };
     match *shape {
@@ -211,7 +229,7 @@ fn shape_of_light(shape: &Shape) -> Light {
             position: rounded(centre),
             edges: [[radius as f32, 0.0, 0.0], [0.0; 3]],
             area: (4.0 * PI * radius * radius) as f32,
-            ..Light::default()
+            ..UNLIT
         },
         // Half its edges are its radii, which span 1 / π of its area.
         Shape::Disc { corner, edge_u, edge_v } => {
@@ -260,8 +278,18 @@ fn primitive(surface: &Surface, light: u32, reach: f64) -> Primitive {
 }
 
 fn material(substance: &Substance, pictures: Pictures) -> Material {
-    let [texture, roughness_texture] = [pictures.colour, pictures.roughness].map(|at| at.unwrap_or(NO_TEXTURE));
-    let plain = Material { ior: 1.0, texture, roughness_texture, ..Material::default() };
+    let [texture, roughness_texture, normal_texture] =
+        [pictures.colour, pictures.roughness, pictures.normal].map(|at| at.unwrap_or(NO_TEXTURE));
+    let (normal_scale, alpha_cutoff) = ((1.0 + pictures.normal_excess) as f32, pictures.cutoff as f32);
+    let plain = Material {
+        ior: 1.0,
+        texture,
+        roughness_texture,
+        normal_texture,
+        normal_scale,
+        alpha_cutoff,
+        ..Material::default()
+    };
     let of = |kind, reflectance: DVec3| Material {
         kind,
         reflectance: rounded(reflectance),

@@ -96,6 +96,14 @@ pub(super) struct MaterialTable {
     pub texture: Option<String>,
     /// Another whose green multiplies `roughness` and whose blue multiplies `metallic`, as in glTF.
     pub roughness_texture: Option<String>,
+    /// Another that bends the normal, as in glTF: red to the right, green up, blue along the normal.
+    pub normal_texture: Option<String>,
+    /// What red and green of that are multiplied with; 1 if it is not given.
+    pub normal_scale: Option<f64>,
+    /// Another that the radiance of surfaces that emit is multiplied with.
+    pub emission_texture: Option<String>,
+    /// Alpha of `texture`, above 0 up to 1, below which the surface has holes.
+    pub alpha_cutoff: Option<f64>,
     /// Perceptual roughness, 0 to 1: the square root of the GGX α, as in glTF.
     pub roughness: Option<f64>,
     /// Share that is metal, 0 to 1, of the metallic-roughness model.

@@ -103,7 +103,7 @@ fn add(model: &Model, palette: &mut Palette, assembly: &mut Assembly) -> Result<
             substance = Substance::Lambertian(finish.base.clamp(DVec3::ZERO, DVec3::ONE));
         }
         let material = palette.push(substance, pictures);
-        looks.push(Look { material, textured: pictures.any(), radiance, flat: false });
+        looks.push(Look { material, textured: pictures.any(), radiance, emission: pictures.emission, flat: false });
     }
     for part in &model.parts {
         let look = looks[part.finish.unwrap_or(0)];

@@ -2,11 +2,11 @@
 
 use super::check::{SHORTEST, emission, number, vector};
 use super::content::{PointLight, Spot, Sun};
-use super::generated::{self, SKY};
-use super::sky::Panorama;
 use super::document::{Document, Path};
 use super::error::SceneError;
 use super::file::{LightKind, LightTable, Numbers};
+use super::generated::{self, SKY};
+use super::sky::Panorama;
 use glam::DVec3;
 use std::path::Path as FilePath;
 
@@ -30,10 +30,10 @@ pub(super) fn lamp(
 ) -> Result<Lamp, SceneError> {
     let kind = table.kind;
     let name = match kind {
-        LightKind::Point => "point",
-        LightKind::Spot => "spot",
-        LightKind::Directional => "directional light",
-        LightKind::Environment => "environment",
+        LightKind::Point => "a point",
+        LightKind::Spot => "a spot",
+        LightKind::Directional => "a directional light",
+        LightKind::Environment => "an environment",
     };
     let (spot, directional) = (kind == LightKind::Spot, kind == LightKind::Directional);
     let environment = kind == LightKind::Environment;
@@ -50,7 +50,7 @@ pub(super) fn lamp(
     ];
     for (key, is_given, has_meaning) in given {
         if is_given && !has_meaning {
-            return Err(document.field_error(&path.key(key), format!("means nothing for a {name}; remove it")));
+            return Err(document.field_error(&path.key(key), format!("means nothing for {name}; remove it")));
         }
     }
     if environment {
@@ -81,12 +81,7 @@ pub(super) fn lamp(
     Ok(Lamp::Point(PointLight { position, intensity, spot }))
 }
 
-fn sky(
-    document: &Document<'_>,
-    path: &Path,
-    table: &LightTable,
-    folder: &FilePath,
-) -> Result<Lamp, SceneError> {
+fn sky(document: &Document<'_>, path: &Path, table: &LightTable, folder: &FilePath) -> Result<Lamp, SceneError> {
     let radiance = match table.radiance {
         Some(radiance) => emission(document, &path.key("radiance"), radiance, "a radiance (W/sr/m²) or its factor")?,
         None if table.file.is_some() => DVec3::ONE,

@@ -74,6 +74,9 @@ impl Builder {
             let pictures = Pictures {
                 colour: picture(self, "texture", &table.texture, true)?,
                 roughness: picture(self, "roughness_texture", &table.roughness_texture, false)?,
+                normal: picture(self, "normal_texture", &table.normal_texture, false)?,
+                emission: picture(self, "emission_texture", &table.emission_texture, true)?,
+                ..Pictures::default()
             };
             self.palette.add(document, &path, name, table, pictures)?;
         }
@@ -110,8 +113,7 @@ impl Builder {
                 Lamp::Sky(panorama, factor, turned) => {
                     let key = if table.file.is_some() { "file" } else { "radiance" };
                     let sky = self.assembly.add_sky(&panorama, factor, turned);
-                    self.lamps.sky =
-                        Some(sky.map_err(|problem| document.field_error(&path.key(key), problem))?);
+                    self.lamps.sky = Some(sky.map_err(|problem| document.field_error(&path.key(key), problem))?);
                 }
             }
         }
@@ -216,11 +218,16 @@ impl Builder {
                     "has a material with a texture, but no texture coordinates; add them or use another material";
                 return Err(document.field_error(path, problem));
             }
+            if radiance.is_some() && palette.pictures[index].cutoff > 0.0 {
+                let problem = "emits, but has holes; choose another material or remove the emission";
+                return Err(document.field_error(path, problem));
+            }
             if radiance.is_some() && !palette.materials[index].may_emit() {
                 let problem = "emits, but is a mirror or dielectric; choose another material or remove the emission";
                 return Err(document.field_error(path, problem));
             }
-            looks.push(Look { material: index, textured, radiance, flat });
+            let emission = palette.pictures[index].emission;
+            looks.push(Look { material: index, textured, radiance, emission, flat });
         }
         Ok(looks)
     }
