@@ -10,8 +10,8 @@ use std::path::Path;
 pub fn run(command: &SceneCommand) -> Result<(), Failure> {
     match command {
         SceneCommand::List { json } => list(*json),
-        SceneCommand::Schema => {
-            print!("{}", Scene::schema());
+        SceneCommand::Schema { page } => {
+            print!("{}", if *page { Scene::reference() } else { Scene::schema() });
             Ok(())
         }
         SceneCommand::Check { scene, json } => check(scene, *json),

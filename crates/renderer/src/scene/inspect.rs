@@ -58,6 +58,7 @@ pub(super) fn inspect(scene: &Scene) -> Inspection {
     glass(scene, &mut warnings);
     small(scene, &mut warnings);
     crossed(scene, &mut warnings);
+    thin(scene, &mut warnings);
     Inspection {
         name: scene.name.clone(),
         quads: count(|shape| matches!(shape, Shape::Quad { .. })),
@@ -84,6 +85,22 @@ pub(super) fn inspect(scene: &Scene) -> Inspection {
             + bytes(bytemuck::cast_slice(&compiled.lights)),
         notes: scene.notes.clone(),
         warnings,
+    }
+}
+
+/// What has no thickness, in an environment, which comes from all sides.
+fn thin(scene: &Scene, warnings: &mut Vec<String>) {
+    let content = &scene.content;
+    let reflects = |surface: &&Surface| match content.materials[surface.material] {
+        Substance::Lambertian(reflectance) => reflectance != DVec3::ZERO,
+        ref other => other.is_diffuse(),
+    };
+    let flat = |surface: &&Surface| matches!(surface.shape, Shape::Quad { .. } | Shape::Disc { .. });
+    let count = content.surfaces.iter().filter(flat).filter(reflects).count();
+    if content.sky.is_some() && count > 0 {
+        warnings.push(format!(
+            "{count} quads or discs have no thickness, and photons of the environment on their backs count on their fronts; render with `--surface facing`, or make them boxes"
+        ));
     }
 }
 
