@@ -116,7 +116,11 @@ pub enum SceneCommand {
         json: bool,
     },
     /// Prints the JSON schema of scene files, for editors.
-    Schema,
+    Schema {
+        /// Prints the page that has every field instead, as Markdown.
+        #[arg(long)]
+        page: bool,
+    },
     /// Says what a scene holds, and what in it may be wrong, each with a remedy.
     Check {
         /// A built-in scene, a scene file or a model (.ply, .obj, .gltf, .glb).

@@ -10,8 +10,8 @@ use std::path::Path;
 pub fn run(command: &SceneCommand) -> Result<(), Failure> {
     match command {
         SceneCommand::List { json } => list(*json),
-        SceneCommand::Schema => {
-            print!("{}", Scene::schema());
+        SceneCommand::Schema { page } => {
+            print!("{}", if *page { Scene::reference() } else { Scene::schema() });
             Ok(())
         }
         SceneCommand::Check { scene, json } => check(scene, *json),
@@ -45,6 +45,9 @@ fn check(scene: &str, json: bool) -> Result<(), Failure> {
         "  surfaces   {quads} quads, {spheres} spheres, {discs} discs, {triangles} triangles ({smooth_triangles} with corners)"
     );
     println!("  looks      {materials} materials, {textures} textures, {lights} lights");
+    if let Some(environment) = &found.environment {
+        println!("  around it  {environment}");
+    }
     println!("  extent     {:?} to {:?} m", found.low, found.high);
     println!("  memory     {:.1} MiB on a device", found.bytes as f64 / f64::from(1 << 20));
     println!("  kernels    {}", if found.full { "full" } else { "basic" });

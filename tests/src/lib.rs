@@ -7,6 +7,7 @@ pub mod maps;
 mod oracle;
 pub mod points;
 pub mod program;
+pub mod rays;
 pub mod renders;
 pub mod soups;
 mod words;

@@ -4,11 +4,12 @@ use caustic_device::{Device, Kernel, Plan};
 use caustic_kernels::layout::Query;
 use caustic_kernels::trace::{
     BLOCKED, BvhNode, Camera, CameraTile, Corners, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT, OCTANTS,
-    Primitive, SceneInfo, Slabs, Texel, Texture, Vertex, closest_hit, intersect, occluded, octant,
+    Primitive, SceneInfo, Slabs, Texel, Texture, Vertex, intersect, octant,
 };
 use caustic_renderer::scene::CompiledScene;
 use caustic_tests::gpu;
 use caustic_tests::maps::limits_loops;
+use caustic_tests::rays::{closest, shadow};
 use caustic_tests::renders::{load, run, small};
 use caustic_tests::soups::{KINDS, Kind, Random, linear, ray, soup};
 use glam::Vec3;
@@ -21,7 +22,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
     for _ in 0..rays {
         let (origin, direction) = ray(&mut random, scene, side, last);
         let expected = linear(origin, direction, &scene.primitives);
-        let found = closest_hit::<false>(origin, direction, &scene.info, nodes, &scene.primitives);
+        let found = closest::<false>(scene, nodes, origin, direction);
         let mut same = (found.t.to_bits(), found.primitive) == (expected.t.to_bits(), expected.primitive);
         // Shadow rays that end before, at, and after something.
         let distance = expected.t.min(side) * [0.5, 1.0, 1.000_001, 3.0][random.below(4) as usize];
@@ -30,7 +31,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
             let t = intersect(origin, direction, primitive);
             i != except && t > 0.0 && t < distance
         });
-        let shadow = occluded::<false>(origin, direction, distance, except, &scene.info, nodes, &scene.primitives);
+        let shadow = shadow::<false>(scene, nodes, [origin, direction], distance, except);
         same &= shadow == if blocked { BLOCKED } else { MISS };
         differ += u32::from(!same);
         met += u32::from(expected.primitive != MISS);
@@ -155,7 +156,7 @@ fn the_cost_of_a_ray_grows_like_a_tree() {
                 }
                 at += 1;
             }
-            assert_eq!(best, closest_hit::<true>(origin, direction, &scene.info, &scene.nodes, &scene.primitives).t);
+            assert_eq!(best, closest::<true>(&scene, &scene.nodes, origin, direction).t);
         }
         [visited, tested].map(|sum| f64::from(sum) / f64::from(RAYS))
     };

@@ -1,6 +1,7 @@
 //! Materials in a closed furnace, lights against closed forms and against their own photons, and the bits of both on a GPU.
 
 use caustic_device::Device;
+use caustic_photon_map::Surface;
 use caustic_renderer::{LightLedger, Settings, Show};
 use caustic_tests::gpu;
 use caustic_tests::renders::*;
@@ -104,12 +105,14 @@ fn plane_with(lights: &str) -> String {
     )
 }
 
-const LIGHTS: [&str; 5] = [
+const LIGHTS: [&str; 7] = [
     "[[lights]]\nkind = \"spot\"\nposition = [0, 3, 0]\ndirection = [0, -1, 0]\nintensity = [9, 9, 9]\ninner_degrees = 15\nouter_degrees = 25",
     "[[lights]]\nkind = \"directional\"\ndirection = [1, -2, 0]\nirradiance = [2, 2, 2]",
     "[[spheres]]\ncentre = [0, 3, 0]\nradius = 0.4\nradiance = [5, 5, 5]",
     "[[quads]]\ncorner = [-0.5, 3, -0.5]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = [4, 4, 4]",
     "[[lights]]\nkind = \"point\"\nposition = [0, 3, 0]\nintensity = [9, 9, 9]",
+    "[[discs]]\ncentre = [0, 3, 0]\nnormal = [0, -2, 0]\nradius = 0.6\nradiance = [4, 4, 4]",
+    "[[lights]]\nkind = \"environment\"\nradiance = [0.5, 0.5, 0.5]",
 ];
 
 /// Irradiance below the middle of each of [`LIGHTS`].
@@ -118,6 +121,8 @@ fn expected(light: usize) -> f64 {
         0 | 4 => 1.0,                           // I / h², 9 / 3²
         1 => 2.0 * 2.0 / 5f64.sqrt(),           // E·cos θ
         2 => PI * 5.0 * (0.4f64 / 3.0).powi(2), // π·L·sin² of the half angle
+        5 => PI * 4.0 * 0.36 / (0.36 + 9.0),    // π·L·sin² of the half angle
+        6 => PI * 0.5,                          // π·L
         _ => {
             // Four corners of a quarter each: E = L/2·Σ of the edges' view factors of a rectangle above a parallel patch.
             let x: f64 = 0.5 / 3.0;
@@ -131,13 +136,16 @@ fn expected(light: usize) -> f64 {
 fn lights_shine_as_closed_forms_say_and_so_do_their_photons() {
     for (i, light) in LIGHTS.iter().enumerate() {
         let scene = parse(&plane_with(light));
+        // Of an environment's photons a fourth as many come to the picture; and those from below are not to be seen.
+        let (photons, surface) = (if i == 6 { 1_600_000 } else { 400_000 }, Surface::Facing);
         let of = |show: Show, size: u32, spp: u32| {
-            let settings =
-                Settings { size: [size; 2], spp, show, photons: 400_000, k: 100, radius: 0.3, ..Settings::of(&scene) };
+            let base = Settings { photons, surface, k: 100, radius: 0.3, ..Settings::of(&scene) };
+            let settings = Settings { size: [size; 2], spp, show, ..base };
             image(&scene, &settings, &Device::cpu())
         };
         // The middle 2 × 2 of 64 × 64 pixels: within 3 cm, where the light is even to a ten-thousandth.
-        let picture = of(Show::Direct, 64, 64);
+        // Of an environment half of the shadow rays go below the horizon, and the others are as many from everywhere.
+        let picture = of(Show::Direct, 64, if i == 6 { 1024 } else { 64 });
         let middle: Vec<f64> =
             [(31, 31), (32, 31), (31, 32), (32, 32)].map(|(x, y)| f64::from(picture.rgb[y * 64 + x][1])).to_vec();
         let (found, wanted) = (mean(&middle) * PI / REFLECTANCE, expected(i));
@@ -172,7 +180,10 @@ fn aimed_photons_carry_the_power_of_what_they_are_aimed_at() {
     // 2 m below the light, 0.5 m in radius: Ω = 2π(1 − cos), sin = 1/4.
     let cone = 9.0 * 2.0 * PI * (1.0 - (1.0f64 - 1.0 / 16.0).sqrt());
     let shadow = 2.0 * PI * 0.25;
+    let sky = plane_with(&format!("{mirror}{}", LIGHTS[6]));
     for (name, text, wanted) in [
+        // From each direction a shadow as large as the ball: 4π·L·π·r².
+        ("all around", format!("{sky}{}", ball(0.0, 0.5)), 4.0 * PI * 0.5 * PI * 0.25),
         ("a cone", format!("{point}{}", ball(0.0, 0.5)), cone),
         ("a cone in a cone", format!("{point}{}{}", ball(0.0, 0.5), ball(0.05, 0.3)), cone),
         ("a shadow", format!("{sun}{}", ball(0.0, 0.5)), shadow),
@@ -211,7 +222,7 @@ fn a_gpu_computes_the_same_bits() {
         "kind = \"metallic-roughness\"\nreflectance = [0.8, 0.6, 0.3]\nmetallic = 0.5\nroughness = 0.03",
     ];
     let balls = kinds.map(furnace_with_ball);
-    let lights = LIGHTS[..3].iter().map(|light| plane_with(light));
+    let lights = LIGHTS[..3].iter().chain(&LIGHTS[5..]).map(|light| plane_with(light));
     for text in balls.into_iter().chain(lights) {
         let scene = parse(&text);
         let settings = Settings { size: [24, 18], ..small(&scene) };

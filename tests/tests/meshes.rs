@@ -2,12 +2,11 @@
 
 use caustic_device::Device;
 use caustic_kernels::layout::{Irradiance, Photon, Query};
-use caustic_kernels::trace::{
-    CameraTile, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Vertex, closest_hit, corners_of, occluded,
-};
+use caustic_kernels::trace::{CameraTile, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Vertex, corners_of};
 use caustic_renderer::scene::{BUILT_IN, CompiledScene, Scene};
 use caustic_renderer::{SceneBuffers, Tracers};
 use caustic_tests::gpu;
+use caustic_tests::rays::{closest, shadow};
 use caustic_tests::renders::{floats, image, load, parse, small};
 use caustic_tests::soups::{Random, linear};
 use glam::Vec3;
@@ -64,16 +63,15 @@ fn compare(scene: &CompiledScene, rays: u32, seed: u32) -> (u32, u32) {
             continue;
         }
         let expected = linear(origin, direction, &scene.primitives);
-        let found = closest_hit::<true>(origin, direction, &scene.info, &scene.nodes, &scene.primitives);
+        let found = closest::<true>(&scene, &scene.nodes, origin, direction);
         differ += u32::from((found.t.to_bits(), found.primitive) != (expected.t.to_bits(), expected.primitive));
         let distance = expected.t.min(side) * 0.999;
-        let shadow =
-            occluded::<true>(origin, direction, distance, u32::MAX, &scene.info, &scene.nodes, &scene.primitives);
+        let in_shadow = shadow::<true>(&scene, &scene.nodes, [origin, direction], distance, u32::MAX);
         let blocked = scene.primitives.iter().any(|primitive| {
             let t = caustic_kernels::trace::intersect(origin, direction, primitive);
             t > 0.0 && t < distance
         });
-        differ += u32::from(blocked != (shadow == 0));
+        differ += u32::from(blocked != (in_shadow == 0));
         met += u32::from(expected.t < f32::MAX);
     }
     (differ, met)

@@ -330,11 +330,13 @@ macro_rules! stages {
             ) = trace::trace_camera[true, _, _];
             each ShadeDirect = shade_direct [64] (
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex, 8 direct: Out Irradiance
+                4 materials: In Material, 5 lights: In Light, 6 corners: In Corners, 7 textures: In Texture, 8 texels: In Texel,
+                9 queries: In Query, 10 vertices: In Vertex, 11 direct: Out Irradiance
             ) = trace::shade_direct[false, _];
             each ShadeDirectFull = shade_direct_full [64] (
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 queries: In Query, 7 vertices: In Vertex, 8 direct: Out Irradiance
+                4 materials: In Material, 5 lights: In Light, 6 corners: In Corners, 7 textures: In Texture, 8 texels: In Texel,
+                9 queries: In Query, 10 vertices: In Vertex, 11 direct: Out Irradiance
             ) = trace::shade_direct[true, _];
             each TracePaths = trace_paths [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,

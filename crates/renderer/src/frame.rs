@@ -173,7 +173,8 @@ impl<'a> Frame<'a> {
         [film, layers]: [&Buffer; 2],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, ref camera, .. } = *self;
-        let SceneBuffers { kernels, info, nodes, primitives, materials, lights, .. } = self.buffers;
+        let SceneBuffers { kernels, info, nodes, primitives, materials, lights, corners, textures, texels, .. } =
+            self.buffers;
         let samples = pixels * settings.spp;
         let paths = settings.integrator == Integrator::Path;
         let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
@@ -189,10 +190,11 @@ impl<'a> Frame<'a> {
             plan.each(kernels.camera, samples, &[&from[..], &[&queries, &vertices]].concat());
         }
         if parts & PART_DIRECT != 0 {
+            let scene = [info, nodes, primitives, materials, lights, corners, textures, texels];
             plan.each(
                 kernels.direct,
                 samples,
-                &[&tiles.camera, info, nodes, primitives, materials, lights, &queries, &vertices, &direct],
+                &[&[&tiles.camera], &scene[..], &[&queries, &vertices, &direct]].concat(),
             );
         }
         let mut estimates = Vec::new();

@@ -31,7 +31,7 @@ pub use float::{
 pub use rng::{Rng, pcg4d, shuffle_index, sobol2};
 pub use sqrt::{inv_sqrt, sqrt, sqrt_corrected};
 pub use sum::{Limbs, MAX_TERMS};
-pub use trig::sin_cos_turns;
+pub use trig::{atan2_turns, sin_cos_turns};
 
 #[cfg(test)]
 mod samples;

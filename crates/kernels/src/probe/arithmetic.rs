@@ -2,8 +2,8 @@
 
 use crate::exec::Store;
 use crate::num::{
-    Limbs, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow, sin_cos_turns, sqrt,
-    total_order_key,
+    Limbs, atan2_turns, div, exp, exp2, f32_to_u32_clamped, floor_to_i32, inv_sqrt, ln, log2, max, pcg4d, pow,
+    sin_cos_turns, sqrt, total_order_key,
 };
 use bytemuck::{Pod, Zeroable};
 
@@ -33,6 +33,8 @@ pub struct Arithmetic {
     pub inverse_root: u32,
     /// `sin_cos_turns(a)`.
     pub sin_cos: [u32; 2],
+    /// `atan2_turns(a, b)`.
+    pub angle: u32,
     /// `exp2(a)` and `exp(a)`.
     pub exponentials: [u32; 2],
     /// `log2(a)` and `ln(a)`.
@@ -49,7 +51,7 @@ pub struct Arithmetic {
     pub sum: u32,
 }
 
-const _: () = assert!(size_of::<Arithmetic>() == 72);
+const _: () = assert!(size_of::<Arithmetic>() == 76);
 
 /// Computes everything for pair `first + i`.
 #[inline]
@@ -78,6 +80,7 @@ pub fn arithmetic<R: Store<Arithmetic> + ?Sized>(i: u32, params: &ArithmeticPara
             root: sqrt(a).to_bits(),
             inverse_root: inv_sqrt(a).to_bits(),
             sin_cos: [sin.to_bits(), cos.to_bits()],
+            angle: atan2_turns(a, b).to_bits(),
             exponentials: [exp2(a).to_bits(), exp(a).to_bits()],
             logarithms: [log2(a).to_bits(), ln(a).to_bits()],
             power: pow(a, b).to_bits(),

@@ -128,13 +128,16 @@ layouts! {
     );
     /// Records of scenes.
     layout_scene(
-        info: SceneInfo { primitives, lights, targets, nodes, lists, first_corners },
+        info: SceneInfo { primitives, lights, targets, nodes, lists, first_corners, environment, sky, holes },
         nodes: BvhNode { near, skip, far, leaf },
         primitives: Primitive { kind, material, light, size, position, normal, sides },
-        materials: Material { reflectance, kind, ior, survival, texture, roughness_texture, roughness, metallic, absorption },
+        materials: Material {
+            reflectance, kind, ior, survival, texture, roughness_texture, roughness, metallic, absorption, normal_texture,
+            normal_scale, alpha_cutoff
+        },
         lights: Light {
             emission, kind, position, primitive, edges, normal, area, probability, cumulative, first_photon, photons,
-            first_target, targets
+            first_target, targets, texture
         }
     );
     /// Records of surfaces that are more than flat and of one colour.

@@ -4,16 +4,17 @@ use super::MAX_BOUNCES;
 use super::bsdf::{albedo_diffuse, is_glossy, sample_specular, scatter_specular, specular_chance};
 use super::bvh::BvhNode;
 use super::intersect::{LOST, MISS, closest_hit, leave};
-use super::light::{look_density, power_heuristic};
+use super::light::{emission_at, look_density, power_heuristic};
 use super::medium::{VACUUM, leaks, medium_after, medium_before};
 use super::next_event::{next_event, outside, through};
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
-use super::surface::{Corners, material_at, surface_at};
+use super::sky::leaving;
+use super::surface::{Corners, surface_of};
 use super::texture::{Texel, Texture};
-use super::vector::{dot, normalize};
+use super::vector::{dot, invert_disc, normalize, sample_disc};
 use crate::exec::{Input, Store};
 use crate::layout::Query;
-use crate::num::{Rng, abs, div, max, pcg4d, shuffle_index, sin_cos_turns, sobol2, sqrt};
+use crate::num::{Rng, abs, div, max, pcg4d, shuffle_index, sobol2};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
@@ -143,15 +144,19 @@ pub(super) fn first_diffuse<const FULL: bool>(
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
         vertex.rays += 1;
-        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives);
+        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives, materials, corners, textures, texels);
         if hit.primitive == MISS || hit.primitive == LOST {
             vertex.primitive = hit.primitive;
+            if FULL && hit.primitive == MISS {
+                let found = leaving(direction, density, info, lights, textures, texels);
+                emitted += throughput * found * outside(medium, materials);
+            }
             break;
         }
         vertex.distance += hit.t;
         let primitive = primitives[hit.primitive as usize];
-        let surface = surface_at::<FULL>(origin, direction, hit, info, &primitive, corners);
-        let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
+        let (surface, material) =
+            surface_of::<FULL>(origin, direction, hit, info, &primitive, materials, corners, textures, texels);
         let point = surface.position;
         let cos = dot(direction, surface.normal);
         // Radiance inside of a medium, seen from where the camera is.
@@ -163,7 +168,7 @@ pub(super) fn first_diffuse<const FULL: bool>(
         }
         if primitive.light != NO_LIGHT && cos < 0.0 {
             let light = lights[primitive.light as usize];
-            let mut found = throughput * Vec3::from_array(light.emission);
+            let mut found = throughput * emission_at::<FULL>(&light, surface.uv, textures, texels);
             if FULL {
                 found *= seen;
                 if density > 0.0 {
@@ -212,6 +217,9 @@ pub(super) fn first_diffuse<const FULL: bool>(
                 primitives,
                 materials,
                 lights,
+                corners,
+                textures,
+                texels,
             );
             emitted += throughput * lit.0;
             vertex.rays += lit.1;
@@ -263,12 +271,34 @@ pub(super) fn eye_ray<const FULL: bool>(camera: &Camera, pixel: u32, sample: u32
     if FULL && camera.focus > 0.0 {
         // The film's plane is at distance 1, so this is the point in focus; all of the lens sees it at one place.
         let [u, v] = pixel_sobol(pixel, sample, seed, LENS_KEY);
-        let (sin, cos) = sin_cos_turns(v);
-        let r = sqrt(u);
-        let on_lens = Vec3::from_array(camera.lens[0]) * (r * cos) + Vec3::from_array(camera.lens[1]) * (r * sin);
+        let on_lens = lens_point(camera, u, v);
         return (origin + on_lens, normalize(forward * camera.focus - on_lens));
     }
     (origin, normalize(forward))
+}
+
+/// Point (u, v) of the lens, evenly drawn, from its middle, m.
+#[inline]
+#[must_use]
+pub fn lens_point(camera: &Camera, u: f32, v: f32) -> Vec3 {
+    let [x, y] = sample_disc(u, v);
+    Vec3::from_array(camera.lens[0]) * x + Vec3::from_array(camera.lens[1]) * y
+}
+
+/// Density with which [`lens_point`] draws each point of the lens, m⁻².
+#[inline]
+#[must_use]
+pub fn lens_density(camera: &Camera) -> f32 {
+    let radius = Vec3::from_array(camera.lens[0]);
+    div(1.0, core::f32::consts::PI * dot(radius, radius))
+}
+
+/// The numbers from which [`lens_point`] draws a point.
+#[inline]
+#[must_use]
+pub fn invert_lens(camera: &Camera, point: Vec3) -> [f32; 2] {
+    let [a, b] = [Vec3::from_array(camera.lens[0]), Vec3::from_array(camera.lens[1])];
+    invert_disc([div(dot(point, a), dot(a, a)), div(dot(point, b), dot(b, b))])
 }
 
 /// Sample `sample` of a pixel's own shuffled and scrambled (0, 2)-sequence: the samples of a pixel are stratified, and those

@@ -6,6 +6,8 @@ use super::camera::{CameraTile, Vertex, pixel_sobol};
 use super::intersect::{LOST, MISS, leave, occluded};
 use super::light::{choose_light, look};
 use super::scene::{Light, Material, PRIMITIVE_SPHERE, Primitive, SceneInfo};
+use super::surface::Corners;
+use super::texture::{Texel, Texture};
 use super::vector::dot;
 use crate::exec::{Input, Store};
 use crate::gather::CUT_SHORT;
@@ -27,6 +29,9 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
     primitives: &Input<Primitive>,
     materials: &Input<Material>,
     lights: &Input<Light>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
     queries: &Input<Query>,
     vertices: &Input<Vertex>,
     direct: &mut D,
@@ -52,7 +57,7 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
             side = if dot(side, normal) < 0.0 { -side } else { side };
         }
         let origin = leave(Vec3::from_array(query.position), side, &primitive);
-        let glimpse = look::<FULL>(&light, origin, at[0], at[1]);
+        let glimpse = look::<FULL>(&light, origin, at[0], at[1], info, corners, textures, texels);
         if glimpse.distance > 0.0 {
             let direction = glimpse.direction;
             let cos = dot(normal, direction);
@@ -65,7 +70,19 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
             }
             if geometry > 0.0 {
                 let except = light.primitive;
-                let blocker = occluded::<FULL>(origin, direction, glimpse.distance, except, info, nodes, primitives);
+                let blocker = occluded::<FULL>(
+                    origin,
+                    direction,
+                    glimpse.distance,
+                    except,
+                    info,
+                    nodes,
+                    primitives,
+                    materials,
+                    corners,
+                    textures,
+                    texels,
+                );
                 result.photons = 1;
                 if blocker == MISS {
                     result.rgb = (glimpse.emission * geometry).to_array();

@@ -1,13 +1,16 @@
 //! How photons leave the lights.
 
-use super::light::{light_point, spot_falloff};
+use super::light::{emission_at, is_surface, light_point, place_on_light, spot_falloff};
 use super::photons::{PhotonPass, RAY_GLOBAL};
 use super::scene::{
-    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, NO_LIGHT, SceneInfo, Target,
+    LIGHT_DIRECTIONAL, LIGHT_ENVIRONMENT, LIGHT_SPHERE, LIGHT_SPOT, Light, NO_LIGHT, SceneInfo, Target,
 };
-use super::vector::{axis_direction, cone, dot, sample_cone, sample_cosine};
+use super::sky::{sample_sky, sky_radiance};
+use super::surface::Corners;
+use super::texture::{Texel, Texture};
+use super::vector::{axis_direction, cone, cone_density, dot, sample_cone, sample_cosine, sample_disc};
 use crate::exec::Input;
-use crate::num::{Rng, div, sin_cos_turns, sqrt};
+use crate::num::{Rng, div};
 use glam::Vec3;
 
 const PI: f32 = core::f32::consts::PI;
@@ -49,8 +52,9 @@ pub fn light_of_photon(index: u32, info: &SceneInfo, lights: &Input<Light>) -> u
 ///
 /// Its power is emission over the density with which place and direction were drawn, over the number of photons that its light
 /// emits. For a whole light this is Φ / n for every photon, and Φ is π·L·A of a surface, 4π·I of a point light, E·A of a directional
-/// light's disc A, which covers the scene. Photons for the caustic map are aimed: a target is drawn among those that the light
-/// can see, then a direction in the cone that it fills; of a directional light, a place in its shadow. The density is then the
+/// light's disc A, which covers the scene. Of an environment, a direction is drawn by its picture, with density p, then a place on such a disc across
+/// it, and Φ / n is L·A / (n·p). Photons for the caustic map are aimed: a target is drawn among those that the light
+/// can see, then a direction in the cone that it fills; of a directional light or an environment, a place in its shadow. The density is then the
 /// mean over these targets of the reciprocals of the cones or shadows that hold it, so that they may overlap.
 #[inline]
 #[must_use]
@@ -60,23 +64,38 @@ pub fn emit<const FULL: bool>(
     info: &SceneInfo,
     lights: &Input<Light>,
     targets: &Input<Target>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
 ) -> Emitted {
     let rng = Rng { seed: pass.seed, stream: pass.rays, index };
     let place = rng.draw4(0);
     let aim = rng.draw4(1);
     let light = lights[light_of_photon(index, info, lights) as usize];
     let share = div(1.0, light.photons as f32);
-    let emission = Vec3::from_array(light.emission);
+    let mut emission = Vec3::from_array(light.emission);
     if FULL && light.kind == LIGHT_DIRECTIONAL {
-        return emit_parallel(pass.rays, &light, emission * share, targets, place, aim);
+        let (direction, middle) = (Vec3::from_array(light.normal), Vec3::from_array(light.position));
+        return emit_parallel(pass.rays, &light, direction, middle, emission * share, targets, place, aim);
+    }
+    if FULL && light.kind == LIGHT_ENVIRONMENT {
+        let drawn = sample_sky(&light, aim[0], aim[1], info, textures, texels);
+        let radiance = sky_radiance(&light, drawn.direction, info, textures, texels);
+        let middle = Vec3::from_array(light.position) + drawn.direction * light.edges[0][0];
+        let irradiance = radiance * div(share, drawn.density);
+        return emit_parallel(pass.rays, &light, -drawn.direction, middle, irradiance, targets, place, aim);
     }
     let mut origin = light_point::<FULL>(&light, place[1], place[2]);
+    if FULL {
+        let uv = place_on_light(&light, place[1], place[2], info, corners);
+        emission = emission_at::<FULL>(&light, uv, textures, texels);
+    }
     let mut normal = Vec3::from_array(light.normal);
     if FULL && light.kind == LIGHT_SPHERE {
         normal = sample_cone(Vec3::Z, 2.0, place[1], place[2]);
         origin = Vec3::from_array(light.position) + normal * light.edges[0][0];
     }
-    let surface = light.kind == LIGHT_AREA || (FULL && (light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_SPHERE));
+    let surface = is_surface::<FULL>(&light);
 
     if pass.rays == RAY_GLOBAL {
         if surface {
@@ -111,7 +130,7 @@ pub fn emit<const FULL: bool>(
         let one_minus_cos = cone(axis, target.radius);
         // The chosen cone holds its direction whatever rounding says of one on its rim.
         if j == chosen || dot(direction, axis_direction(axis)) >= 1.0 - one_minus_cos {
-            density += div(1.0, 2.0 * PI * one_minus_cos);
+            density += cone_density(one_minus_cos);
         }
         j += 1;
     }
@@ -138,29 +157,28 @@ fn choose_target(u: f32, light: &Light) -> u32 {
     light.first_target + chosen
 }
 
-/// Emits a photon of a directional light, whose `emission` is its irradiance over the number of its photons: from a disc before
-/// the scene, or from the targets' shadows in the disc's plane.
+/// Emits a photon of parallel light of a direction, whose `emission` is its irradiance over the number of its photons: from a disc of the light's
+/// radius about `middle`, before the scene, or from the targets' shadows in the disc's plane.
 #[inline]
 fn emit_parallel(
     rays: u32,
     light: &Light,
+    direction: Vec3,
+    middle: Vec3,
     emission: Vec3,
     targets: &Input<Target>,
     place: [f32; 4],
     aim: [f32; 4],
 ) -> Emitted {
-    let direction = Vec3::from_array(light.normal);
-    let middle = Vec3::from_array(light.position);
-    let (sin, cos) = sin_cos_turns(place[2]);
-    let r = sqrt(place[1]);
+    let [x, y] = sample_disc(place[1], place[2]);
     if rays == RAY_GLOBAL {
         let radius = light.edges[0][0];
-        let origin = middle + across(direction, r * cos, r * sin) * radius;
+        let origin = middle + across(direction, x, y) * radius;
         return Emitted { origin, normal: direction, direction, power: emission * light.area, primitive: NO_LIGHT };
     }
     let chosen = choose_target(aim[2], light);
     let target = targets[chosen as usize];
-    let origin = shadow(&target, direction, middle) + across(direction, r * cos, r * sin) * target.radius;
+    let origin = shadow(&target, direction, middle) + across(direction, x, y) * target.radius;
     let mut density = 0.0;
     let mut j = light.first_target;
     while j < light.first_target + light.targets {

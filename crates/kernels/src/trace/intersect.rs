@@ -1,7 +1,9 @@
 //! Rays against primitives.
 
 use super::bvh::{BvhNode, INNER, LEAF_BITS, Slabs, list_of};
-use super::scene::{PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_TRIANGLE, Primitive, SceneInfo};
+use super::scene::{Material, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_TRIANGLE, Primitive, SceneInfo};
+use super::surface::{Corners, is_hole};
+use super::texture::{Texel, Texture};
 use super::triangle::{Shear, meet_triangle};
 use super::vector::dot;
 use crate::exec::Input;
@@ -36,7 +38,7 @@ pub struct Hit {
 }
 
 /// The nearest primitive along `origin + t·direction`, t > 0, and of those equally near the one of the lowest index: whatever the
-/// tree, there is one answer. The direction has unit length.
+/// tree, there is one answer. The direction has unit length. Where a primitive has a hole it is not met.
 ///
 /// One loop looks for the next primitive and another meets it, so that the lanes of a subgroup meet theirs together (Aila and
 /// Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009).
@@ -48,6 +50,10 @@ pub fn closest_hit<const FULL: bool>(
     info: &SceneInfo,
     nodes: &Input<BvhNode>,
     primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
 ) -> Hit {
     let slabs = Slabs::new(origin, direction);
     let shear = shear_of::<FULL>(direction);
@@ -68,7 +74,13 @@ pub fn closest_hit<const FULL: bool>(
         while i < last {
             let t = meet::<FULL>(origin, direction, shear, &primitives[i as usize]);
             if t > 0.0 && (t < best.t || (t == best.t && i < best.primitive)) {
-                best = Hit { t, primitive: i };
+                let hit = Hit { t, primitive: i };
+                let hole = FULL
+                    && info.holes != 0
+                    && is_hole(origin, direction, hit, info, primitives, materials, corners, textures, texels);
+                if !hole {
+                    best = hit;
+                }
             }
             i += 1;
         }
@@ -93,6 +105,10 @@ pub fn occluded<const FULL: bool>(
     info: &SceneInfo,
     nodes: &Input<BvhNode>,
     primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
 ) -> u32 {
     let slabs = Slabs::new(origin, direction);
     let shear = shear_of::<FULL>(direction);
@@ -114,7 +130,13 @@ pub fn occluded<const FULL: bool>(
             if i != except {
                 let t = meet::<FULL>(origin, direction, shear, &primitives[i as usize]);
                 if t > 0.0 && t < distance {
-                    found = BLOCKED;
+                    let hit = Hit { t, primitive: i };
+                    let hole = FULL
+                        && info.holes != 0
+                        && is_hole(origin, direction, hit, info, primitives, materials, corners, textures, texels);
+                    if !hole {
+                        found = BLOCKED;
+                    }
                 }
             }
             i += 1;

@@ -1,14 +1,20 @@
 //! Lights as a point of a surface sees them.
 
-use super::scene::{LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, SceneInfo};
-use super::vector::{cone, dot, normalize, sample_cone};
+use super::scene::{
+    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light,
+    NO_TEXTURE, SceneInfo,
+};
+use super::sky::{invert_sky, look_at_sky};
+use super::surface::Corners;
+use super::texture::{Texel, Texture, texel_at};
+use super::vector::{cone, cone_density, cross, dot, invert_cone, invert_disc, normalize, sample_cone, sample_disc};
 use crate::exec::Input;
 use crate::num::{div, max, min, sqrt};
 use glam::Vec3;
 
 const PI: f32 = core::f32::consts::PI;
 
-/// Farther than any surface: where a directional light is.
+/// Farther than any surface: where directional light and an environment are.
 pub const FAR_AWAY: f32 = 1e30;
 
 /// One place of a light, as it is seen from a point.
@@ -17,15 +23,15 @@ pub struct Glimpse {
     pub direction: Vec3,
     /// Distance, m; 0 if there is nothing to be seen.
     pub distance: f32,
-    /// Radiance, W·sr⁻¹·m⁻², of what has an area; intensity, W·sr⁻¹, of a point or spot; irradiance of what faces it, W·m⁻², of a
+    /// Radiance, W·sr⁻¹·m⁻², of what has an area or fills a solid angle; intensity, W·sr⁻¹, of a point or spot; irradiance of what faces it, W·m⁻², of a
     /// directional light.
     pub emission: Vec3,
     /// What the emission is divided by: the distance squared, m², or 1.
-    spread: f32,
+    pub(super) spread: f32,
     /// What it is multiplied with: one over the density with which the place was drawn, m² or sr.
-    extent: f32,
+    pub(super) extent: f32,
     /// Cosine of the angle at which an area is seen.
-    slant: f32,
+    pub(super) slant: f32,
 }
 
 impl Glimpse {
@@ -56,11 +62,25 @@ pub fn choose_light(u: f32, info: &SceneInfo, lights: &Input<Light>) -> u32 {
     first
 }
 
-/// Whether a ray can meet the light, because it is a surface.
+/// Whether the light is a surface.
 #[inline]
 #[must_use]
-pub fn is_surface(light: &Light) -> bool {
-    light.kind == LIGHT_AREA || light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_SPHERE
+pub fn is_surface<const FULL: bool>(light: &Light) -> bool {
+    is_flat::<FULL>(light) || (FULL && light.kind == LIGHT_SPHERE)
+}
+
+/// Whether the light is a flat surface, which shines from its front.
+#[inline]
+#[must_use]
+pub fn is_flat<const FULL: bool>(light: &Light) -> bool {
+    light.kind == LIGHT_AREA || (FULL && (light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_DISC))
+}
+
+/// Whether a ray can find the light by itself.
+#[inline]
+#[must_use]
+pub fn can_be_met(light: &Light) -> bool {
+    is_surface::<true>(light) || light.kind == LIGHT_ENVIRONMENT
 }
 
 /// Point (u, v) of a flat light, evenly drawn, or the place of a point light.
@@ -74,11 +94,54 @@ pub fn light_point<const FULL: bool>(light: &Light, u: f32, v: f32) -> Vec3 {
         u = 1.0 - u;
         v = 1.0 - v;
     }
-    if light.kind == LIGHT_AREA || (FULL && light.kind == LIGHT_TRIANGLE) {
+    if FULL && light.kind == LIGHT_DISC {
+        [u, v] = sample_disc(u, v);
+    }
+    if is_flat::<FULL>(light) {
         position + Vec3::from_array(light.edges[0]) * u + Vec3::from_array(light.edges[1]) * v
     } else {
         position
     }
+}
+
+/// Texture coordinates of the point (u, v) of a flat light that has a texture.
+#[inline]
+#[must_use]
+pub(super) fn place_on_light(light: &Light, u: f32, v: f32, info: &SceneInfo, corners: &Input<Corners>) -> [f32; 2] {
+    if light.texture == NO_TEXTURE {
+        return [0.0; 2];
+    }
+    if light.kind == LIGHT_DISC {
+        let [x, y] = sample_disc(u, v);
+        return [x * 0.5 + 0.5, y * 0.5 + 0.5];
+    }
+    if light.kind != LIGHT_TRIANGLE {
+        return [u, v];
+    }
+    let (mut u, mut v) = (u, v);
+    if u + v > 1.0 {
+        u = 1.0 - u;
+        v = 1.0 - v;
+    }
+    let uv = corners[(light.primitive - info.first_corners) as usize].uv;
+    let rest = max(0.0, 1.0 - u - v);
+    [uv[0][0] * rest + uv[1][0] * u + uv[2][0] * v, uv[0][1] * rest + uv[1][1] * u + uv[2][1] * v]
+}
+
+/// Emission of a light at texture coordinates `uv`.
+#[inline]
+#[must_use]
+pub(super) fn emission_at<const FULL: bool>(
+    light: &Light,
+    uv: [f32; 2],
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
+) -> Vec3 {
+    let emission = Vec3::from_array(light.emission);
+    if FULL && light.texture != NO_TEXTURE {
+        return emission * texel_at(&textures[light.texture as usize], uv, texels).truncate();
+    }
+    emission
 }
 
 /// How much of its intensity a spot light sends in a direction: 1 within the inner cone, 0 outside of the outer one, and between
@@ -99,7 +162,19 @@ pub fn spot_falloff(light: &Light, direction: Vec3) -> f32 {
 /// Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG 1996).
 #[inline]
 #[must_use]
-pub fn look<const FULL: bool>(light: &Light, from: Vec3, u: f32, v: f32) -> Glimpse {
+pub fn look<const FULL: bool>(
+    light: &Light,
+    from: Vec3,
+    u: f32,
+    v: f32,
+    info: &SceneInfo,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
+) -> Glimpse {
+    if FULL && light.kind == LIGHT_ENVIRONMENT {
+        return look_at_sky(light, u, v, info, textures, texels);
+    }
     let mut glimpse = Glimpse {
         direction: Vec3::Z,
         distance: 0.0,
@@ -136,9 +211,13 @@ pub fn look<const FULL: bool>(light: &Light, from: Vec3, u: f32, v: f32) -> Glim
         glimpse.direction = to_light * div(1.0, distance);
         glimpse.distance = distance;
         glimpse.spread = distance2;
-        if light.kind == LIGHT_AREA || (FULL && light.kind == LIGHT_TRIANGLE) {
+        if is_flat::<FULL>(light) {
             glimpse.slant = max(0.0, -dot(Vec3::from_array(light.normal), glimpse.direction));
             glimpse.extent = light.area;
+            if FULL {
+                let uv = place_on_light(light, u, v, info, corners);
+                glimpse.emission = emission_at::<FULL>(light, uv, textures, texels);
+            }
         }
         if FULL && light.kind == LIGHT_SPOT {
             glimpse.emission *= spot_falloff(light, -glimpse.direction);
@@ -154,11 +233,41 @@ pub fn look<const FULL: bool>(light: &Light, from: Vec3, u: f32, v: f32) -> Glim
 pub fn look_density(light: &Light, from: Vec3, direction: Vec3, distance: f32) -> f32 {
     if light.kind == LIGHT_SPHERE {
         let one_minus_cos = cone(Vec3::from_array(light.position) - from, light.edges[0][0]);
-        return div(light.probability, 2.0 * PI * one_minus_cos);
+        return light.probability * cone_density(one_minus_cos);
     }
     let slant = max(0.0, -dot(Vec3::from_array(light.normal), direction));
     let seen = slant * light.area;
     if seen > 0.0 { div(distance * distance * light.probability, seen) } else { 0.0 }
+}
+
+/// The numbers (u, v) from which [`look`] draws this direction from the point `from`, of a light that rays can meet and a direction that it draws. A
+/// triangle has two, of which these are the ones whose sum is at most 1.
+#[inline]
+#[must_use]
+pub fn invert_look(
+    light: &Light,
+    from: Vec3,
+    direction: Vec3,
+    info: &SceneInfo,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
+) -> [f32; 2] {
+    if light.kind == LIGHT_ENVIRONMENT {
+        return invert_sky(light, direction, info, textures, texels);
+    }
+    let position = Vec3::from_array(light.position);
+    if light.kind == LIGHT_SPHERE {
+        let axis = position - from;
+        return invert_cone(normalize(axis), cone(axis, light.edges[0][0]), direction);
+    }
+    let normal = Vec3::from_array(light.normal);
+    let distance = div(dot(position - from, normal), dot(direction, normal));
+    let local = (from + direction * distance) - position;
+    let [a, b] = [Vec3::from_array(light.edges[0]), Vec3::from_array(light.edges[1])];
+    // Coordinates along the edges, by their dual vectors.
+    let (across_a, across_b) = (cross(b, normal), cross(normal, a));
+    let place = [div(dot(local, across_a), dot(a, across_a)), div(dot(local, across_b), dot(b, across_b))];
+    if light.kind == LIGHT_DISC { invert_disc(place) } else { place }
 }
 
 /// The weight of a sample of density `mine` beside another way of drawing it, of density `other`: the power heuristic (Veach, "Robust Monte
@@ -173,3 +282,6 @@ pub fn power_heuristic(mine: f32, other: f32) -> f32 {
     let ratio = min(1e9, div(other, mine));
     div(1.0, 1.0 + ratio * ratio)
 }
+
+#[cfg(test)]
+mod tests;

@@ -9,6 +9,8 @@
 pub mod bsdf;
 mod bvh;
 mod camera;
+#[cfg(test)]
+mod chi_square;
 mod direct;
 mod emission;
 mod film;
@@ -22,13 +24,14 @@ mod next_event;
 mod paths;
 mod photons;
 mod scene;
+pub mod sky;
 mod surface;
 mod texture;
 mod triangle;
 pub mod vector;
 
 pub use bvh::{BvhNode, INNER, LEAF_BITS, OCTANTS, Slabs, list_of, octant};
-pub use camera::{Camera, CameraTile, Vertex, trace_camera};
+pub use camera::{Camera, CameraTile, Vertex, invert_lens, lens_density, lens_point, trace_camera};
 pub use direct::shade_direct;
 pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS, PART_REACH, Pixel, develop_film};
 pub use final_gather::{GatherTile, sum_gather, trace_gather};
@@ -38,11 +41,12 @@ pub use ledger::{LEDGER_PATHS, LedgerBlock, LedgerPass, LedgerSum, Tally, sum_le
 pub use paths::trace_paths;
 pub use photons::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, count_photons, store_photons};
 pub use scene::{
-    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC,
-    MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR, MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE,
-    PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
+    LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT,
+    LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR,
+    MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE,
+    PRIMITIVE_TRIANGLE, Primitive, SceneInfo, Target,
 };
-pub use surface::{Corners, Surface, material_at, surface_at};
+pub use surface::{Corners, Surface, material_at, surface_at, surface_of};
 pub use texture::{Texel, Texture, WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT, half_to_f32, texel_at};
 pub use triangle::shares;
 

@@ -3,10 +3,11 @@
 use super::bsdf::{evaluate, evaluate_specular};
 use super::bvh::BvhNode;
 use super::intersect::{BLOCKED, LOST, leave, occluded};
-use super::light::{choose_light, is_surface, look, power_heuristic};
+use super::light::{can_be_met, choose_light, look, power_heuristic};
 use super::medium::{VACUUM, medium_after, seen_from_outside, transmittance};
 use super::scene::{Light, Material, Primitive, SceneInfo};
-use super::surface::Surface;
+use super::surface::{Corners, Surface};
+use super::texture::{Texel, Texture};
 use super::vector::dot;
 use crate::exec::Input;
 use crate::num::div;
@@ -31,10 +32,13 @@ pub(super) fn next_event<const GLOSS: bool>(
     primitives: &Input<Primitive>,
     materials: &Input<Material>,
     lights: &Input<Light>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
 ) -> (Vec3, u32, bool) {
     let nothing = (Vec3::ZERO, 0, false);
     let light = lights[choose_light(place[0], info, lights) as usize];
-    let glimpse = look::<true>(&light, surface.position, place[1], place[2]);
+    let glimpse = look::<true>(&light, surface.position, place[1], place[2], info, corners, textures, texels);
     if glimpse.distance <= 0.0 {
         return nothing;
     }
@@ -54,7 +58,7 @@ pub(super) fn next_event<const GLOSS: bool>(
     if by_surface != (dot(out, surface.shading) > 0.0) {
         return nothing;
     }
-    if is_surface(&light) {
+    if can_be_met(&light) {
         radiance *= power_heuristic(div(1.0, geometry), pdf * chance);
     }
     let side = if by_surface { surface.normal } else { -surface.normal };
@@ -62,7 +66,20 @@ pub(super) fn next_event<const GLOSS: bool>(
     let medium = medium_after(medium, material, index, cos, surface.normal, side);
     radiance *= through(medium, glimpse.distance, materials) * outside(medium, materials);
     let origin = leave(surface.position, side, primitive);
-    let blocker = occluded::<true>(origin, out, glimpse.distance, light.primitive, info, nodes, primitives);
+    let except = light.primitive;
+    let blocker = occluded::<true>(
+        origin,
+        out,
+        glimpse.distance,
+        except,
+        info,
+        nodes,
+        primitives,
+        materials,
+        corners,
+        textures,
+        texels,
+    );
     if blocker == BLOCKED { (Vec3::ZERO, 1, false) } else { (radiance, 1, blocker == LOST) }
 }
 

@@ -9,11 +9,12 @@ use super::bsdf::sample;
 use super::bvh::BvhNode;
 use super::camera::{Camera, CameraTile, Vertex, eye_ray};
 use super::intersect::{LOST, MISS, closest_hit, leave};
-use super::light::{look_density, power_heuristic};
+use super::light::{emission_at, look_density, power_heuristic};
 use super::medium::{VACUUM, leaks, medium_after, medium_before};
 use super::next_event::{next_event, outside, through};
 use super::scene::{Light, Material, NO_LIGHT, Primitive, SceneInfo};
-use super::surface::{Corners, material_at, surface_at};
+use super::sky::leaving;
+use super::surface::{Corners, surface_of};
 use super::texture::{Texel, Texture};
 use super::vector::dot;
 use crate::exec::{Input, Store};
@@ -65,17 +66,21 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     let mut lost = false;
     while going {
         vertex.rays += 1;
-        let hit = closest_hit::<true>(origin, direction, info, nodes, primitives);
+        let hit = closest_hit::<true>(origin, direction, info, nodes, primitives, materials, corners, textures, texels);
         if bounce == 0 {
             vertex.primitive = hit.primitive;
         }
         if hit.primitive == MISS || hit.primitive == LOST {
             lost = lost || hit.primitive == LOST;
+            if hit.primitive == MISS {
+                let found = leaving(direction, density, info, lights, textures, texels);
+                radiance += throughput * found * outside(medium, materials);
+            }
             break;
         }
         let primitive = primitives[hit.primitive as usize];
-        let surface = surface_at::<true>(origin, direction, hit, info, &primitive, corners);
-        let material = material_at::<true>(primitive.material, surface.uv, materials, textures, texels);
+        let (surface, material) =
+            surface_of::<true>(origin, direction, hit, info, &primitive, materials, corners, textures, texels);
         let cos = dot(direction, surface.normal);
         medium = medium_before(medium, &material, primitive.material, cos);
         throughput *= through(medium, hit.t, materials);
@@ -85,7 +90,8 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
             if density > 0.0 {
                 share = power_heuristic(density, look_density(&light, origin, direction, hit.t));
             }
-            radiance += throughput * Vec3::from_array(light.emission) * (share * outside(medium, materials));
+            let emission = emission_at::<true>(&light, surface.uv, textures, texels);
+            radiance += throughput * emission * (share * outside(medium, materials));
         }
 
         let draw = rng.draw4(2 * bounce);
@@ -94,7 +100,7 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
             let index = primitive.material;
             let lit = next_event::<false>(
                 direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes, primitives,
-                materials, lights,
+                materials, lights, corners, textures, texels,
             );
             radiance += throughput * lit.0;
             vertex.rays += lit.1;

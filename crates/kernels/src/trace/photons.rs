@@ -15,7 +15,7 @@ use super::scene::{
     Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT, PRIMITIVE_SPHERE, Primitive,
     SceneInfo, Target,
 };
-use super::surface::{Corners, material_at, surface_at};
+use super::surface::{Corners, surface_of};
 use super::texture::{Texel, Texture};
 use super::vector::{dot, pack_direction, sample_cosine};
 use crate::exec::{Input, Store};
@@ -175,7 +175,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
 ) -> Walked {
     let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false, tally: Tally::nothing() };
     let rng = Rng { seed: pass.seed, stream: pass.rays, index: path };
-    let start = emit::<FULL>(path, pass, info, lights, targets);
+    let start = emit::<FULL>(path, pass, info, lights, targets, corners, textures, texels);
     let mut power = start.power;
     walked.tally.emitted = power.to_array();
     if power.x + power.y + power.z <= 0.0 {
@@ -197,7 +197,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
     let mut given_up = true;
     while bounce < MAX_BOUNCES {
         walked.segments += 1;
-        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives);
+        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives, materials, corners, textures, texels);
         if hit.primitive == MISS {
             walked.tally.escaped = power.to_array();
             given_up = false;
@@ -207,8 +207,8 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
             break;
         }
         let primitive = primitives[hit.primitive as usize];
-        let surface = surface_at::<FULL>(origin, direction, hit, info, &primitive, corners);
-        let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
+        let (surface, material) =
+            surface_of::<FULL>(origin, direction, hit, info, &primitive, materials, corners, textures, texels);
         let point = surface.position;
         let cos = dot(direction, surface.normal);
         if FULL {

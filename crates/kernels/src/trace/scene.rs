@@ -32,6 +32,10 @@ pub const LIGHT_DIRECTIONAL: u32 = 3;
 pub const LIGHT_SPHERE: u32 = 4;
 /// A triangle that emits as [`LIGHT_AREA`] does.
 pub const LIGHT_TRIANGLE: u32 = 5;
+/// A disc, or an ellipse, that emits as [`LIGHT_AREA`] does.
+pub const LIGHT_DISC: u32 = 6;
+/// Radiance from every direction, from infinitely far away, by a picture. A scene has one at most.
+pub const LIGHT_ENVIRONMENT: u32 = 7;
 /// [`Primitive::light`] of what does not emit.
 pub const NO_LIGHT: u32 = 0xffff_ffff;
 
@@ -58,6 +62,13 @@ pub struct SceneInfo {
     pub lists: u32,
     /// First primitive that has [`Corners`](super::Corners): those from here on are triangles with normals and texture coordinates.
     pub first_corners: u32,
+    /// Index of the light that is the environment, or [`NO_LIGHT`].
+    pub environment: u32,
+    /// Index of the environment's picture. After the picture's texels there are tables, of sums of chances in [`Texel::rg`](super::Texel::rg) and the
+    /// chances in [`Texel::ba`](super::Texel::ba), as bits of floats that are multiples of 2⁻²⁴: one of its rows, then one a row of its pixels.
+    pub sky: u32,
+    /// 1 if there are materials with holes, [`Material::alpha_cutoff`], and 0 otherwise.
+    pub holes: u32,
 }
 
 /// A quad, a sphere, a triangle or a disc.
@@ -105,28 +116,37 @@ pub struct Material {
     pub metallic: f32,
     /// Absorption coefficient of the inside of a dielectric, m⁻¹, for each of red, green and blue.
     pub absorption: [f32; 3],
+    /// Index of the texture that bends the shading normal, as in glTF: red to the right, green up, blue along the normal, each
+    /// from −1 to 1 as 0 to 1; or [`NO_TEXTURE`].
+    pub normal_texture: u32,
+    /// What red and green of that are multiplied with.
+    pub normal_scale: f32,
+    /// The surface has holes where the alpha of [`texture`](Self::texture) is below this; 0 if it has none.
+    pub alpha_cutoff: f32,
 }
 
 /// A light.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Light {
-    /// Radiance of a surface, W·sr⁻¹·m⁻², intensity of a point or, on its axis, a spot, W·sr⁻¹, or irradiance across a directional
-    /// light, W·m⁻²; for each of red, green and blue.
+    /// Radiance of a surface, W·sr⁻¹·m⁻², intensity of a point or, on its axis, a spot, W·sr⁻¹, irradiance across a directional
+    /// light, W·m⁻², or what an environment's picture is multiplied with to give its radiance; for each of red, green and blue.
     pub emission: [f32; 3],
     /// One of the `LIGHT_` kinds.
     pub kind: u32,
-    /// Corner of a flat light, centre of a sphere, place of a point or spot, or middle of the disc from which a directional
-    /// light's photons come, m.
+    /// Corner of a flat light, centre of a disc or sphere, place of a point or spot, middle of the disc from which a directional
+    /// light's photons come, or middle of the scene of an environment, m.
     pub position: [f32; 3],
     /// Index of the primitive that emits, or [`NO_LIGHT`].
     pub primitive: u32,
-    /// Edges of a flat light that leave its corner, m. Of a sphere and of a directional light's disc, the first number is the radius, m;
-    /// of a spot, the first two are 1 − cos of the angles within which it is bright and outside of which it is dark.
+    /// Edges of a flat light that leave its corner, or two radii of a disc across each other, m. Of a sphere and of the disc from which photons
+    /// of a directional light or an environment come, the first number is the radius, m; of a spot, the first two are 1 − cos of the angles
+    /// within which it is bright and outside of which it is dark. The second three of an environment begin with the cosine and the sine of the
+    /// angle by which it is turned about y.
     pub edges: [[f32; 3]; 2],
     /// Side to which a flat light emits, axis of a spot, or the direction in which directional light travels: a unit vector.
     pub normal: [f32; 3],
-    /// Area of a surface or of a directional light's disc, m².
+    /// Area of a surface or of the disc from which photons of a directional light or an environment come, m².
     pub area: f32,
     /// Chance of choosing this light.
     pub probability: f32,
@@ -140,6 +160,8 @@ pub struct Light {
     pub first_target: u32,
     /// How many targets it can see: they follow each other.
     pub targets: u32,
+    /// Index of the texture that the emission of a flat light is multiplied with, or [`NO_TEXTURE`].
+    pub texture: u32,
 }
 
 /// The sphere around a specular object, at which caustic photons are aimed.
@@ -153,9 +175,9 @@ pub struct Target {
 }
 
 const _: () = {
-    assert!(size_of::<SceneInfo>() == 24);
+    assert!(size_of::<SceneInfo>() == 36);
     assert!(size_of::<Primitive>() == 64);
-    assert!(size_of::<Material>() == 52);
-    assert!(size_of::<Light>() == 96);
+    assert!(size_of::<Material>() == 64);
+    assert!(size_of::<Light>() == 100);
     assert!(size_of::<Target>() == 16);
 };

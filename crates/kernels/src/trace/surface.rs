@@ -7,7 +7,7 @@ use super::scene::{
 };
 use super::texture::{Texel, Texture, texel_at};
 use super::triangle::shares;
-use super::vector::{dot, normalize, unpack_direction};
+use super::vector::{cross, dot, normalize, unpack_direction};
 use crate::exec::Input;
 use crate::num::max;
 use bytemuck::{Pod, Zeroable};
@@ -75,27 +75,136 @@ pub fn surface_at<const FULL: bool>(
     let (position, normal) = point_of::<FULL>(origin, direction, hit.t, primitive);
     let mut surface = Surface { position, normal, shading: normal, uv: [0.0; 2], smooth: false };
     if FULL {
-        if primitive.kind == PRIMITIVE_TRIANGLE && hit.primitive >= info.first_corners {
+        if has_corners(hit.primitive, info, primitive) {
             let corners = corners[(hit.primitive - info.first_corners) as usize];
             let part = shares(corners_of(primitive), origin + direction * hit.t);
             let mut shading = unpack_direction(corners.normals[0]) * part[0];
             shading += unpack_direction(corners.normals[1]) * part[1];
             shading += unpack_direction(corners.normals[2]) * part[2];
             surface.shading = usable(shading, normal, direction);
-            surface.uv = [
-                corners.uv[0][0] * part[0] + corners.uv[1][0] * part[1] + corners.uv[2][0] * part[2],
-                corners.uv[0][1] * part[0] + corners.uv[1][1] * part[1] + corners.uv[2][1] * part[2],
-            ];
+            surface.uv = mixed(&corners, part);
             surface.smooth = true;
-        } else if primitive.kind == PRIMITIVE_QUAD || primitive.kind == PRIMITIVE_DISC {
-            let local = position - Vec3::from_array(primitive.position);
-            surface.uv = [
-                dot(local, Vec3::from_array(primitive.sides[0])) + 0.5,
-                dot(local, Vec3::from_array(primitive.sides[1])) + 0.5,
-            ];
+        } else if is_parallelogram(primitive) {
+            surface.uv = on_edges(primitive, position);
         }
     }
     surface
+}
+
+/// Whether the primitive of this index is a triangle with normals and texture coordinates.
+#[inline]
+fn has_corners(index: u32, info: &SceneInfo, primitive: &Primitive) -> bool {
+    primitive.kind == PRIMITIVE_TRIANGLE && index >= info.first_corners
+}
+
+/// Whether the primitive has edges u and v.
+#[inline]
+fn is_parallelogram(primitive: &Primitive) -> bool {
+    primitive.kind == PRIMITIVE_QUAD || primitive.kind == PRIMITIVE_DISC
+}
+
+/// Texture coordinates where each corner has this part.
+#[inline]
+fn mixed(corners: &Corners, part: [f32; 3]) -> [f32; 2] {
+    [
+        corners.uv[0][0] * part[0] + corners.uv[1][0] * part[1] + corners.uv[2][0] * part[2],
+        corners.uv[0][1] * part[0] + corners.uv[1][1] * part[1] + corners.uv[2][1] * part[2],
+    ]
+}
+
+/// Texture coordinates of a point of a quad or disc.
+#[inline]
+fn on_edges(primitive: &Primitive, position: Vec3) -> [f32; 2] {
+    let local = position - Vec3::from_array(primitive.position);
+    [dot(local, Vec3::from_array(primitive.sides[0])) + 0.5, dot(local, Vec3::from_array(primitive.sides[1])) + 0.5]
+}
+
+/// Whether the surface that the ray would meet has a hole there.
+#[inline]
+#[must_use]
+pub(super) fn is_hole(
+    origin: Vec3,
+    direction: Vec3,
+    hit: Hit,
+    info: &SceneInfo,
+    primitives: &Input<Primitive>,
+    materials: &Input<Material>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
+) -> bool {
+    let primitive = primitives[hit.primitive as usize];
+    let material = materials[primitive.material as usize];
+    if material.alpha_cutoff <= 0.0 {
+        return false;
+    }
+    let point = origin + direction * hit.t;
+    let mut uv = [0.0; 2];
+    if has_corners(hit.primitive, info, &primitive) {
+        uv = mixed(&corners[(hit.primitive - info.first_corners) as usize], shares(corners_of(&primitive), point));
+    } else if is_parallelogram(&primitive) {
+        uv = on_edges(&primitive, point);
+    }
+    texel_at(&textures[material.texture as usize], uv, texels).w < material.alpha_cutoff
+}
+
+/// The surface and its material where a ray of unit direction meets them, with the shading normal bent by the material's texture.
+#[inline]
+#[must_use]
+pub fn surface_of<const FULL: bool>(
+    origin: Vec3,
+    direction: Vec3,
+    hit: Hit,
+    info: &SceneInfo,
+    primitive: &Primitive,
+    materials: &Input<Material>,
+    corners: &Input<Corners>,
+    textures: &Input<Texture>,
+    texels: &Input<Texel>,
+) -> (Surface, Material) {
+    let mut surface = surface_at::<FULL>(origin, direction, hit, info, primitive, corners);
+    let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
+    if FULL && material.normal_texture != NO_TEXTURE {
+        let (tangent, mirrored) = tangent_at(hit.primitive, info, primitive, corners);
+        // Across the normal; where the picture has no direction on the surface, the normal stays.
+        let across = tangent - surface.shading * dot(tangent, surface.shading);
+        let length2 = dot(across, across);
+        if length2 > 1e-6 * dot(tangent, tangent) && length2 > 0.0 {
+            let right = normalize(across);
+            let up = cross(surface.shading, right) * mirrored;
+            let texel = texel_at(&textures[material.normal_texture as usize], surface.uv, texels);
+            let x = (texel.x * 2.0 - 1.0) * material.normal_scale;
+            let y = (texel.y * 2.0 - 1.0) * material.normal_scale;
+            let bent = right * x + up * y + surface.shading * (texel.z * 2.0 - 1.0);
+            surface.shading = usable(bent, surface.normal, direction);
+            surface.smooth = true;
+        }
+    }
+    (surface, material)
+}
+
+/// The direction on a surface in which u grows, 0 if there is none; and −1 if v grows upwards, seen from the front with u to the right, where pictures
+/// have it downwards, else 1.
+#[inline]
+fn tangent_at(index: u32, info: &SceneInfo, primitive: &Primitive, corners: &Input<Corners>) -> (Vec3, f32) {
+    if has_corners(index, info, primitive) {
+        let uv = corners[(index - info.first_corners) as usize].uv;
+        let [a, b, c] = corners_of(primitive);
+        let (u1, v1) = (uv[1][0] - uv[0][0], uv[1][1] - uv[0][1]);
+        let (u2, v2) = (uv[2][0] - uv[0][0], uv[2][1] - uv[0][1]);
+        let area = u1 * v2 - u2 * v1;
+        let along = (b - a) * v2 - (c - a) * v1;
+        if area > 0.0 {
+            return (along, -1.0);
+        }
+        if area < 0.0 {
+            return (-along, 1.0);
+        }
+    } else if is_parallelogram(primitive) {
+        // The edge u, from the dual vector of the other.
+        return (cross(Vec3::from_array(primitive.sides[1]), Vec3::from_array(primitive.normal)), -1.0);
+    }
+    (Vec3::ZERO, 1.0)
 }
 
 /// The point of a hit and the surface's unit normal there: the front side of what is flat, a sphere's outside.

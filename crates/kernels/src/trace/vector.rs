@@ -1,8 +1,10 @@
 //! Directions: frames, reflection, packing. Vectors are glam's; everything that divides or takes a root goes through
 //! [`num`](crate::num), because the devices' own operations differ in the last bits.
 
-use crate::num::{abs, div, floor_to_i32, inv_sqrt, max, sin_cos_turns, sqrt};
+use crate::num::{abs, atan2_turns, div, floor_to_i32, inv_sqrt, max, min, sin_cos_turns, sqrt};
 use glam::Vec3;
+
+const PI: f32 = core::f32::consts::PI;
 
 /// `a · b`, summed in the order of the axes.
 #[inline]
@@ -64,13 +66,51 @@ pub fn to_frame(n: Vec3, v: Vec3) -> Vec3 {
     Vec3::new(dot(v, t), dot(v, s), dot(v, n))
 }
 
+/// A point of the disc of radius 1, evenly drawn, from two uniform numbers.
+#[inline]
+#[must_use]
+pub fn sample_disc(u: f32, v: f32) -> [f32; 2] {
+    let r = sqrt(u);
+    let (sin, cos) = sin_cos_turns(v);
+    [r * cos, r * sin]
+}
+
+/// The numbers from which [`sample_disc`] draws a point.
+#[inline]
+#[must_use]
+pub fn invert_disc(point: [f32; 2]) -> [f32; 2] {
+    let [x, y] = point;
+    [min(1.0, x * x + y * y), turns(x, y)]
+}
+
+/// The angle of (x, y) from the x axis, 0 to 1.
+#[inline]
+fn turns(x: f32, y: f32) -> f32 {
+    let turns = atan2_turns(y, x);
+    if turns < 0.0 { turns + 1.0 } else { turns }
+}
+
 /// A direction about `n` with density cos θ / π (Malley's method), from two uniform numbers.
 #[inline]
 #[must_use]
 pub fn sample_cosine(n: Vec3, u: f32, v: f32) -> Vec3 {
-    let r = sqrt(u);
-    let (sin, cos) = sin_cos_turns(v);
-    from_frame(n, r * cos, r * sin, sqrt(max(0.0, 1.0 - u)))
+    let [x, y] = sample_disc(u, v);
+    from_frame(n, x, y, sqrt(max(0.0, 1.0 - u)))
+}
+
+/// Density with which [`sample_cosine`] draws the unit vector `d`, sr⁻¹.
+#[inline]
+#[must_use]
+pub fn cosine_density(n: Vec3, d: Vec3) -> f32 {
+    max(0.0, dot(n, d)) * (1.0 / PI)
+}
+
+/// The numbers from which [`sample_cosine`] draws the unit vector `d`.
+#[inline]
+#[must_use]
+pub fn invert_cosine(n: Vec3, d: Vec3) -> [f32; 2] {
+    let local = to_frame(n, d);
+    invert_disc([local.x, local.y])
 }
 
 /// A direction within a cone about `axis`, uniform in solid angle, from two uniform numbers. `one_minus_cos` is 1 − cos of
@@ -82,6 +122,26 @@ pub fn sample_cone(axis: Vec3, one_minus_cos: f32, u: f32, v: f32) -> Vec3 {
     let r = sqrt(max(0.0, h * (2.0 - h)));
     let (sin, cos) = sin_cos_turns(v);
     from_frame(axis, r * cos, r * sin, 1.0 - h)
+}
+
+/// Density with which [`sample_cone`] draws each direction of its cone, sr⁻¹.
+#[inline]
+#[must_use]
+pub fn cone_density(one_minus_cos: f32) -> f32 {
+    div(1.0, 2.0 * PI * one_minus_cos)
+}
+
+/// The numbers from which [`sample_cone`] draws the unit vector `d`.
+#[inline]
+#[must_use]
+pub fn invert_cone(axis: Vec3, one_minus_cos: f32, d: Vec3) -> [f32; 2] {
+    let local = to_frame(axis, d);
+    // 1 − cos without cancellation.
+    let mut h = 1.0 - local.z;
+    if local.z > 0.0 {
+        h = div(local.x * local.x + local.y * local.y, 1.0 + local.z);
+    }
+    [min(1.0, div(h, one_minus_cos)), turns(local.x, local.y)]
 }
 
 /// The direction of `axis`, any direction for none.

@@ -16,6 +16,7 @@ pub const BUILT_IN: &[BuiltIn] = &[
     BuiltIn { name: "cornell", text: include_str!("../../scenes/cornell.toml") },
     BuiltIn { name: "cornell-coated", text: include_str!("../../scenes/cornell-coated.toml") },
     BuiltIn { name: "cornell-glossy", text: include_str!("../../scenes/cornell-glossy.toml") },
+    BuiltIn { name: "courtyard", text: include_str!("../../scenes/courtyard.toml") },
     BuiltIn { name: "furnace", text: include_str!("../../scenes/furnace.toml") },
     BuiltIn { name: "hall", text: include_str!("../../scenes/hall.toml") },
     BuiltIn { name: "lamps", text: include_str!("../../scenes/lamps.toml") },

@@ -6,10 +6,10 @@ use super::lights::{Source, chances, share_photons};
 use super::substances::smoothest;
 use super::targets::{aim, targets};
 use caustic_kernels::trace::{
-    BvhNode, Corners, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_POINT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light,
-    MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR, MATERIAL_ROUGH_DIELECTRIC, Material,
-    NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive,
-    RAY_GLOBAL, SceneInfo, Target, Texel, Texture,
+    BvhNode, Corners, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPHERE,
+    LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR,
+    MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD,
+    PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, RAY_GLOBAL, SceneInfo, Target, Texel, Texture,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -33,7 +33,7 @@ pub struct CompiledScene {
     pub texels: Vec<Texel>,
     /// Materials in the order of their names.
     pub materials: Vec<Material>,
-    /// Surfaces that shine, then points and spots, then directional lights, each in the file's order; at least one. Their photons are those of a
+    /// Surfaces that shine, then points and spots, then directional lights, each in the file's order, then the environment; at least one. Their photons are those of a
     /// pass of 2²⁰.
     pub lights: Vec<Light>,
     /// Spheres around what is not purely diffuse, a list for each light that sees others than those before it.
@@ -45,7 +45,8 @@ pub struct CompiledScene {
     pub has_specular: bool,
     /// Whether there are surfaces with a diffuse lobe, the ones that store photons; black ones count.
     pub has_diffuse: bool,
-    /// Power of all lights together, W, for each of red, green and blue: π·L·A of a surface, 4π·I of a point light.
+    /// Power of all lights together, W, for each of red, green and blue: π·L·A of a surface, 4π·I of a point light, and of what is infinitely far
+    /// away what comes to the sphere around the scene.
     pub emitted_power_w: [f64; 3],
 }
 
@@ -70,6 +71,24 @@ impl CompiledScene {
 const MOST_BEYOND: f64 = 1.0 / 1024.0;
 /// Most of the way to a triangle's middle by which hits are drawn in, however small it is in its scene.
 const MOST_INWARDS: f64 = 1.0 / 64.0;
+
+/// A light of which nothing is known yet.
+const UNLIT: Light = Light {
+    emission: [0.0; 3],
+    kind: LIGHT_POINT,
+    position: [0.0; 3],
+    primitive: NO_LIGHT,
+    edges: [[0.0; 3]; 2],
+    normal: [0.0; 3],
+    area: 0.0,
+    probability: 0.0,
+    cumulative: 0.0,
+    first_photon: 0,
+    photons: 0,
+    first_target: 0,
+    targets: 0,
+    texture: NO_TEXTURE,
+};
 
 /// Compiles a scene.
 pub(super) fn compile(content: &Content) -> CompiledScene {
@@ -111,6 +130,9 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
             nodes: nodes.len() as u32 / lists,
             lists,
             first_corners: (primitives.len() - content.corners.len()) as u32,
+            environment: if content.sky.is_some() { lights.len() as u32 - 1 } else { NO_LIGHT },
+            sky: content.sky.as_ref().map_or(NO_TEXTURE, |sky| sky.texture),
+            holes: u32::from(content.pictures.iter().any(|pictures| pictures.cutoff > 0.0)),
         },
         full: more || lists < OCTANTS || !content.textures.is_empty() || !primitives.iter().all(basic),
         corners: content.corners.clone(),
@@ -131,17 +153,19 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
 fn sources(content: &Content) -> Vec<Source> {
     let surfaces = content.surfaces.iter().enumerate().filter_map(|(i, surface)| {
         let radiance = surface.radiance?;
-        let light = Light { emission: rounded(radiance), primitive: i as u32, ..shape_of_light(&surface.shape)? };
-        Some(Source { light, surface: Some(i), power_w: radiance * (PI * f64::from(light.area)) })
+        let picture = content.pictures[surface.material].emission;
+        let light = Light {
+            emission: rounded(radiance),
+            primitive: i as u32,
+            texture: picture.unwrap_or(NO_TEXTURE),
+            ..shape_of_light(&surface.shape)
+        };
+        let mean = picture.map_or(DVec3::ONE, |at| content.mean_texel(i, at));
+        Some(Source { light, surface: Some(i), power_w: radiance * mean * (PI * f64::from(light.area)) })
     });
     let points = content.points.iter().map(|point| {
-        let light = Light {
-            emission: rounded(point.intensity),
-            kind: LIGHT_POINT,
-            position: rounded(point.position),
-            primitive: NO_LIGHT,
-            ..Light::default()
-        };
+        let light =
+            Light { emission: rounded(point.intensity), kind: LIGHT_POINT, position: rounded(point.position), ..UNLIT };
         let Some(Spot { axis, inner, outer }) = point.spot else {
             return Source { light, surface: None, power_w: point.intensity * (4.0 * PI) };
         };
@@ -160,19 +184,31 @@ fn sources(content: &Content) -> Vec<Source> {
             emission: rounded(sun.irradiance),
             kind: LIGHT_DIRECTIONAL,
             position: rounded(middle - sun.direction * radius),
-            primitive: NO_LIGHT,
             edges: [[radius as f32, 0.0, 0.0], [0.0; 3]],
             normal: rounded(sun.direction),
             area: area as f32,
-            ..Light::default()
+            ..UNLIT
         };
         Source { light, surface: None, power_w: sun.irradiance * area }
     });
-    surfaces.chain(points).chain(suns).collect()
+    let sky = content.sky.iter().map(|sky| {
+        let (sin, cos) = sky.turned.sin_cos();
+        let area = PI * radius * radius;
+        let light = Light {
+            emission: rounded(sky.emission),
+            kind: LIGHT_ENVIRONMENT,
+            position: rounded(middle),
+            edges: [[radius as f32, 0.0, 0.0], [cos as f32, sin as f32, 0.0]],
+            area: area as f32,
+            ..UNLIT
+        };
+        Source { light, surface: None, power_w: sky.fluence * area }
+    });
+    surfaces.chain(points).chain(suns).chain(sky).collect()
 }
 
-/// The light that a surface is; none for a disc.
-fn shape_of_light(shape: &Shape) -> Option<Light> {
+/// The light that a surface is.
+fn shape_of_light(shape: &Shape) -> Light {
     let flat = |kind, corner: DVec3, edge_u: DVec3, edge_v: DVec3, part: f64| {
         let normal = edge_u.cross(edge_v);
         let area = normal.length();
@@ -182,20 +218,23 @@ fn shape_of_light(shape: &Shape) -> Option<Light> {
             edges: [rounded(edge_u), rounded(edge_v)],
             normal: rounded(normal / area),
             area: (area * part) as f32,
-            ..Light::default()
+            ..UNLIT
         }
     };
     match *shape {
-        Shape::Quad { corner, edge_u, edge_v } => Some(flat(LIGHT_AREA, corner, edge_u, edge_v, 1.0)),
-        Shape::Triangle { corners: [a, b, c] } => Some(flat(LIGHT_TRIANGLE, a, b - a, c - a, 0.5)),
-        Shape::Sphere { centre, radius } => Some(Light {
+        Shape::Quad { corner, edge_u, edge_v } => flat(LIGHT_AREA, corner, edge_u, edge_v, 1.0),
+        Shape::Triangle { corners: [a, b, c] } => flat(LIGHT_TRIANGLE, a, b - a, c - a, 0.5),
+        Shape::Sphere { centre, radius } => Light {
             kind: LIGHT_SPHERE,
             position: rounded(centre),
             edges: [[radius as f32, 0.0, 0.0], [0.0; 3]],
             area: (4.0 * PI * radius * radius) as f32,
-            ..Light::default()
-        }),
-        Shape::Disc { .. } => None,
+            ..UNLIT
+        },
+        // Half its edges are its radii, which span 1 / π of its area.
+        Shape::Disc { corner, edge_u, edge_v } => {
+            flat(LIGHT_DISC, corner + (edge_u + edge_v) / 2.0, edge_u / 2.0, edge_v / 2.0, PI)
+        }
     }
 }
 
@@ -239,8 +278,18 @@ fn primitive(surface: &Surface, light: u32, reach: f64) -> Primitive {
 }
 
 fn material(substance: &Substance, pictures: Pictures) -> Material {
-    let [texture, roughness_texture] = [pictures.colour, pictures.roughness].map(|at| at.unwrap_or(NO_TEXTURE));
-    let plain = Material { ior: 1.0, texture, roughness_texture, ..Material::default() };
+    let [texture, roughness_texture, normal_texture] =
+        [pictures.colour, pictures.roughness, pictures.normal].map(|at| at.unwrap_or(NO_TEXTURE));
+    let (normal_scale, alpha_cutoff) = ((1.0 + pictures.normal_excess) as f32, pictures.cutoff as f32);
+    let plain = Material {
+        ior: 1.0,
+        texture,
+        roughness_texture,
+        normal_texture,
+        normal_scale,
+        alpha_cutoff,
+        ..Material::default()
+    };
     let of = |kind, reflectance: DVec3| Material {
         kind,
         reflectance: rounded(reflectance),

@@ -1,6 +1,7 @@
 //! What a scene holds once it is checked: everything in f64, as it was given.
 
-use caustic_kernels::trace::{Corners, Texel, Texture};
+use super::sky::Sky;
+use caustic_kernels::trace::{Corners, Texel, Texture, texel_at};
 use glam::DVec3;
 
 /// Everything but names and settings.
@@ -22,6 +23,7 @@ pub(super) struct Content {
     pub texels: Vec<Texel>,
     pub points: Vec<PointLight>,
     pub suns: Vec<Sun>,
+    pub sky: Option<Sky>,
     /// Where the origin of all coordinates lies in the file's, m.
     pub origin: DVec3,
 }
@@ -56,6 +58,31 @@ impl Content {
         self
     }
 
+    /// The mean of a picture over a surface that is no sphere: of the middles of 64 equal parts.
+    pub fn mean_texel(&self, surface: usize, picture: u32) -> DVec3 {
+        const SIDE: u32 = 8;
+        let first = self.surfaces.len() - self.corners.len();
+        let corners = surface.checked_sub(first).map(|at| self.corners[at].uv);
+        let mut sum = DVec3::ZERO;
+        for i in 0..SIDE * SIDE {
+            let at = |k: u32| (f64::from(k) + 0.5) / f64::from(SIDE);
+            let (mut u, mut v) = (at(i % SIDE), at(i / SIDE));
+            if let Some([a, b, c]) = corners {
+                // The parts beyond the diagonal are turned back; those on it count as they are.
+                if u + v > 1.0 {
+                    (u, v) = (1.0 - u, 1.0 - v);
+                }
+                let along = |k: usize| {
+                    f64::from(a[k]) + (f64::from(b[k]) - f64::from(a[k])) * u + (f64::from(c[k]) - f64::from(a[k])) * v
+                };
+                (u, v) = (along(0), along(1));
+            }
+            let texel = texel_at(&self.textures[picture as usize], [u as f32, v as f32], &self.texels);
+            sum += texel.truncate().as_dvec3();
+        }
+        sum / f64::from(SIDE * SIDE)
+    }
+
     /// The largest coordinate of anything in the scene, m.
     pub fn reach(&self) -> f64 {
         let surfaces = self.surfaces.iter().map(Surface::bounds).map(|(low, high)| low.abs().max(high.abs()));
@@ -87,12 +114,20 @@ pub(super) struct Pictures {
     pub colour: Option<u32>,
     /// Multiplies the roughness by its green and the share of metal by its blue.
     pub roughness: Option<u32>,
+    /// Bends the normal.
+    pub normal: Option<u32>,
+    /// What that multiplies its red and green with, less 1.
+    pub normal_excess: f64,
+    /// Multiplies what the surface emits.
+    pub emission: Option<u32>,
+    /// The alpha of the colour's picture below which there are holes; 0 if there are none.
+    pub cutoff: f64,
 }
 
 impl Pictures {
     /// Whether there are any, so that texture coordinates are needed.
     pub fn any(self) -> bool {
-        self.colour.is_some() || self.roughness.is_some()
+        [self.colour, self.roughness, self.normal, self.emission].iter().any(Option::is_some)
     }
 }
 
@@ -206,6 +241,15 @@ pub(super) enum Shape {
     Triangle {
         corners: [DVec3; 3],
     },
+}
+
+/// Lights that are not surfaces.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lamps {
+    pub points: Vec<PointLight>,
+    pub suns: Vec<Sun>,
+    /// The environment.
+    pub sky: Option<Sky>,
 }
 
 /// A light that is a point.

@@ -3,6 +3,7 @@
 //! All of it is arithmetic that gives the same bits on every machine.
 
 use super::model::{Finish, Model, Part};
+use super::sky::Panorama;
 use caustic_kernels::num::{pcg4d, sin_cos_turns};
 use glam::{DVec2, DVec3};
 
@@ -17,6 +18,46 @@ pub(super) fn model(name: &str) -> Option<Model> {
         _ => return None,
     };
     Some(Model { parts, finishes: vec![Finish::default()], ..Model::default() })
+}
+
+/// The name of the environment that is made.
+pub(super) const SKY: &str = "built-in:sky";
+
+/// A clear sky with the sun, 40° above the horizon a little to the right of straight ahead, over a dark ground.
+///
+/// A vertical gradient, a wide and a narrow glow about the sun that are powers of the cosine of the angle from it, and the sun itself as a steeper
+/// one, 2° wide so that some pixels hold it.
+pub(super) fn sky() -> Panorama {
+    const WIDTH: usize = 512;
+    const HEIGHT: usize = 256;
+    const ZENITH: DVec3 = DVec3::new(0.16, 0.32, 0.75);
+    const HORIZON: DVec3 = DVec3::new(0.62, 0.72, 0.82);
+    const GROUND: DVec3 = DVec3::new(0.11, 0.1, 0.09);
+    const SUN: DVec3 = DVec3::new(1.0, 0.86, 0.66);
+    /// To the power 2ⁿ.
+    fn power(x: f64, n: u32) -> f64 {
+        (0..n).fold(x.max(0.0), |x, _| x * x)
+    }
+    let [side, up] = [turn(0.06), turn(40.0 / 360.0)];
+    let sun = DVec3::new(side.y * up.x, up.y, -side.x * up.x);
+    let mut rgb = Vec::with_capacity(WIDTH * HEIGHT);
+    for row in 0..HEIGHT {
+        let from_zenith = turn((row as f64 + 0.5) / (2 * HEIGHT) as f64);
+        for column in 0..WIDTH {
+            let around = turn((column as f64 + 0.5) / WIDTH as f64 - 0.5);
+            let d = DVec3::new(from_zenith.y * around.y, from_zenith.x, -from_zenith.y * around.x);
+            let low = power(1.0 - d.y.abs(), 2);
+            let radiance = if d.y < 0.0 {
+                GROUND + (HORIZON * 0.4 - GROUND) * low * low
+            } else {
+                let near = d.dot(sun);
+                let glow = 0.6 * power(near, 3) + 4.0 * power(near, 7);
+                ZENITH + (HORIZON - ZENITH) * low + SUN * (glow + 2200.0 * power(near, 13))
+            };
+            rgb.push(radiance.as_vec3().to_array());
+        }
+    }
+    Panorama { width: WIDTH, height: HEIGHT, rgb, name: SKY.to_string() }
 }
 
 /// Sine and cosine of a part of a turn.

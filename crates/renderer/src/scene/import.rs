@@ -1,7 +1,7 @@
 //! A model file as a scene: with its own camera and lights, or with ones that show it.
 
 use super::check::SHORTEST;
-use super::content::{Glass, Layers, NOTHING, Shape, Substance, Surface, Viewpoint};
+use super::content::{Glass, Lamps, Layers, NOTHING, Shape, Substance, Surface, Viewpoint};
 use super::error::SceneError;
 use super::limits::MAX_LIGHTS;
 use super::meshes::{self, Assembly, Look};
@@ -78,7 +78,7 @@ pub(super) fn scene(path: &Path) -> Result<Scene, SceneError> {
             framed(centre, radius)
         }
     };
-    let (content, note) = assembly.finish(camera, palette, points, suns);
+    let (content, note) = assembly.finish(camera, palette, Lamps { points, suns, sky: None });
     notes.extend(note);
     Ok(Scene {
         name: load::stem(&name),
@@ -103,7 +103,7 @@ fn add(model: &Model, palette: &mut Palette, assembly: &mut Assembly) -> Result<
             substance = Substance::Lambertian(finish.base.clamp(DVec3::ZERO, DVec3::ONE));
         }
         let material = palette.push(substance, pictures);
-        looks.push(Look { material, textured: pictures.any(), radiance, flat: false });
+        looks.push(Look { material, textured: pictures.any(), radiance, emission: pictures.emission, flat: false });
     }
     for part in &model.parts {
         let look = looks[part.finish.unwrap_or(0)];

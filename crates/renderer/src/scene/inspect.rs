@@ -2,9 +2,11 @@
 
 use super::Scene;
 use super::content::{NOTHING, Shape, Substance, Surface};
+use caustic_kernels::trace::Texture;
 use glam::DVec3;
 use serde::Serialize;
 use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 /// What `caustic scene check` says of a scene.
 #[derive(Clone, Debug, Serialize)]
@@ -27,6 +29,8 @@ pub struct Inspection {
     pub textures: usize,
     /// Lights, a triangle or quad that emits one each.
     pub lights: usize,
+    /// What the environment was read from, its pixels, and the radiance that it has on average, W·sr⁻¹·m⁻².
+    pub environment: Option<String>,
     /// Lowest corner of the box around all surfaces, m.
     pub low: [f64; 3],
     /// Highest corner, m.
@@ -54,6 +58,7 @@ pub(super) fn inspect(scene: &Scene) -> Inspection {
     glass(scene, &mut warnings);
     small(scene, &mut warnings);
     crossed(scene, &mut warnings);
+    thin(scene, &mut warnings);
     Inspection {
         name: scene.name.clone(),
         quads: count(|shape| matches!(shape, Shape::Quad { .. })),
@@ -64,6 +69,11 @@ pub(super) fn inspect(scene: &Scene) -> Inspection {
         materials: content.materials.len(),
         textures: content.textures.len(),
         lights: compiled.lights.len(),
+        environment: content.sky.as_ref().map(|sky| {
+            let Texture { width, height, .. } = content.textures[sky.texture as usize];
+            let mean = (sky.fluence / (4.0 * PI)).to_array().map(|x| format!("{x:.4}")).join(", ");
+            format!("{}, {width} × {height} pixels, [{mean}] W/sr/m² on average", sky.name)
+        }),
         low: low.to_array(),
         high: high.to_array(),
         full: compiled.full,
@@ -75,6 +85,22 @@ pub(super) fn inspect(scene: &Scene) -> Inspection {
             + bytes(bytemuck::cast_slice(&compiled.lights)),
         notes: scene.notes.clone(),
         warnings,
+    }
+}
+
+/// What has no thickness, in an environment, which comes from all sides.
+fn thin(scene: &Scene, warnings: &mut Vec<String>) {
+    let content = &scene.content;
+    let reflects = |surface: &&Surface| match content.materials[surface.material] {
+        Substance::Lambertian(reflectance) => reflectance != DVec3::ZERO,
+        ref other => other.is_diffuse(),
+    };
+    let flat = |surface: &&Surface| matches!(surface.shape, Shape::Quad { .. } | Shape::Disc { .. });
+    let count = content.surfaces.iter().filter(flat).filter(reflects).count();
+    if content.sky.is_some() && count > 0 {
+        warnings.push(format!(
+            "{count} quads or discs have no thickness, and photons of the environment on their backs count on their fronts; render with `--surface facing`, or make them boxes"
+        ));
     }
 }
 

@@ -5,38 +5,56 @@ use super::content::{PointLight, Spot, Sun};
 use super::document::{Document, Path};
 use super::error::SceneError;
 use super::file::{LightKind, LightTable, Numbers};
+use super::generated::{self, SKY};
+use super::sky::Panorama;
 use glam::DVec3;
+use std::path::Path as FilePath;
 
 /// A light that is not a surface.
 pub(super) enum Lamp {
     Point(PointLight),
     Sun(Sun),
+    /// An environment: what its pixels are multiplied with, and the angle by which it is turned, radians.
+    Sky(Panorama, DVec3, f64),
 }
 
 /// Narrowest cone of a spot, degrees.
 const NARROWEST: f64 = 0.1;
 
-/// Checks a light.
-pub(super) fn lamp(document: &Document<'_>, path: &Path, table: &LightTable) -> Result<Lamp, SceneError> {
+/// Checks a light of a file in `folder`.
+pub(super) fn lamp(
+    document: &Document<'_>,
+    path: &Path,
+    table: &LightTable,
+    folder: &FilePath,
+) -> Result<Lamp, SceneError> {
     let kind = table.kind;
     let name = match kind {
-        LightKind::Point => "point",
-        LightKind::Spot => "spot",
-        LightKind::Directional => "directional light",
+        LightKind::Point => "a point",
+        LightKind::Spot => "a spot",
+        LightKind::Directional => "a directional light",
+        LightKind::Environment => "an environment",
     };
     let (spot, directional) = (kind == LightKind::Spot, kind == LightKind::Directional);
+    let environment = kind == LightKind::Environment;
     let given = [
-        ("position", table.position.is_some(), !directional),
-        ("intensity", table.intensity.is_some(), !directional),
+        ("position", table.position.is_some(), spot || kind == LightKind::Point),
+        ("intensity", table.intensity.is_some(), spot || kind == LightKind::Point),
         ("direction", table.direction.is_some(), spot || directional),
         ("inner_degrees", table.inner_degrees.is_some(), spot),
         ("outer_degrees", table.outer_degrees.is_some(), spot),
         ("irradiance", table.irradiance.is_some(), directional),
+        ("radiance", table.radiance.is_some(), environment),
+        ("file", table.file.is_some(), environment),
+        ("rotation_degrees", table.rotation_degrees.is_some(), environment),
     ];
     for (key, is_given, has_meaning) in given {
         if is_given && !has_meaning {
-            return Err(document.field_error(&path.key(key), format!("means nothing for a {name}; remove it")));
+            return Err(document.field_error(&path.key(key), format!("means nothing for {name}; remove it")));
         }
+    }
+    if environment {
+        return sky(document, path, table, folder);
     }
     let needed = |key: &str, value: Option<Numbers<3>>, how: &str| {
         value.ok_or_else(|| document.field_error(path, format!("lacks the field `{key}`; add {how}")))
@@ -61,6 +79,31 @@ pub(super) fn lamp(document: &Document<'_>, path: &Path, table: &LightTable) -> 
     let intensity = emission(document, &path.key("intensity"), intensity, "an intensity (W/sr)")?;
     let spot = if spot { Some(cone(document, path, table, direction()?)?) } else { None };
     Ok(Lamp::Point(PointLight { position, intensity, spot }))
+}
+
+fn sky(document: &Document<'_>, path: &Path, table: &LightTable, folder: &FilePath) -> Result<Lamp, SceneError> {
+    let radiance = match table.radiance {
+        Some(radiance) => emission(document, &path.key("radiance"), radiance, "a radiance (W/sr/m²) or its factor")?,
+        None if table.file.is_some() => DVec3::ONE,
+        None => {
+            let problem = "lacks the field `radiance`; add `radiance = [r, g, b]`, in W/sr/m², or a `file`";
+            return Err(document.field_error(path, problem));
+        }
+    };
+    let turned = table.rotation_degrees.unwrap_or(0.0);
+    let turned = number(document, &path.key("rotation_degrees"), turned, (-36e3, 36e3), "an angle (degrees)")?;
+    let panorama = match &table.file {
+        None => Panorama::even(),
+        Some(name) if name == SKY => generated::sky(),
+        Some(file) => {
+            let refuse = |problem: String| document.field_error(&path.key("file"), problem);
+            if file.starts_with("built-in:") {
+                return Err(refuse(format!("is no environment that is built in; \"{SKY}\" is one")));
+            }
+            Panorama::read(&folder.join(file)).map_err(refuse)?
+        }
+    };
+    Ok(Lamp::Sky(panorama, radiance, turned.to_radians()))
 }
 
 fn cone(document: &Document<'_>, path: &Path, table: &LightTable, axis: DVec3) -> Result<Spot, SceneError> {

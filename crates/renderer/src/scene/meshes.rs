@@ -1,12 +1,12 @@
 //! Meshes: from the parts of models to triangles of a scene.
 
-use super::content::{Content, PointLight, Shape, Sun, Surface, Viewpoint};
+use super::content::{Content, Lamps, Shape, Surface, Viewpoint};
 use super::limits::MAX_SURFACES;
 use super::model::{Finish, Model, Part, Picture};
 use super::surfaces::Palette;
 use caustic_kernels::trace::vector::pack_direction;
-use caustic_kernels::trace::{Corners, Texel, Texture};
-use glam::DVec3;
+use caustic_kernels::trace::{Corners, Texel, Texture, texel_at};
+use glam::{DVec3, Vec3};
 
 /// Twice the area of a triangle whose longest side is 1, below which it is none.
 const NO_AREA: f64 = 1e-10;
@@ -36,6 +36,8 @@ pub(super) struct Look {
     pub textured: bool,
     /// W·sr⁻¹·m⁻².
     pub radiance: Option<DVec3>,
+    /// Index of the picture that it is multiplied with.
+    pub emission: Option<u32>,
     /// Whether triangles look as flat as they are.
     pub flat: bool,
 }
@@ -49,13 +51,19 @@ impl Assembly {
 
     /// Adds a picture and returns its index.
     pub fn add_picture(&mut self, picture: &Picture) -> Result<u32, String> {
-        if self.texels.len() + picture.texels.len() > MAX_TEXELS {
-            return Err(format!("makes more than {MAX_TEXELS} texels of pictures; use smaller ones"));
-        }
-        let first = self.texels.len() as u32;
-        self.texels.extend(&picture.texels);
+        let first = self.add_texels(picture.texels.iter().copied())?;
         self.textures.push(Texture { first, width: picture.width, height: picture.height, wrap: picture.wrap });
         Ok(self.textures.len() as u32 - 1)
+    }
+
+    /// Adds texels, and returns the index of the first.
+    pub fn add_texels(&mut self, texels: impl IntoIterator<Item = Texel>) -> Result<u32, String> {
+        let first = self.texels.len();
+        self.texels.extend(texels);
+        if self.texels.len() > MAX_TEXELS {
+            return Err(format!("makes more than {MAX_TEXELS} texels of pictures; use smaller ones"));
+        }
+        Ok(first as u32)
     }
 
     /// Adds the triangles of a part, which is an object.
@@ -84,17 +92,19 @@ impl Assembly {
                 _ => normal,
             };
             let normals = indices.map(own);
-            let has_corners = has_uv || normals.iter().any(|n| 1.0 - n.dot(normal) > FLAT);
+            let has_corners = has_uv || look.emission.is_some() || normals.iter().any(|n| 1.0 - n.dot(normal) > FLAT);
             if has_corners {
                 self.corners.push(Corners {
                     normals: normals.map(|normal| pack_direction(normal.as_vec3())),
                     uv: if has_uv { indices.map(|index| part.uv[index].map(|x| x as f32)) } else { [[0.0; 2]; 3] },
                 });
             }
+            let uv = indices.map(|index| part.uv.get(index).copied().unwrap_or_default());
+            let dark = look.emission.is_some_and(|picture| self.is_black(picture, uv));
             self.surfaces.push(Surface {
                 shape: Shape::Triangle { corners },
                 material: look.material,
-                radiance: look.radiance,
+                radiance: look.radiance.filter(|_| !dark),
                 object: self.objects,
                 has_corners,
             });
@@ -102,14 +112,32 @@ impl Assembly {
         Ok(())
     }
 
+    /// Whether a picture is black wherever a triangle of these coordinates shows it. Those that show much of it are not looked at.
+    fn is_black(&self, picture: u32, uv: [[f64; 2]; 3]) -> bool {
+        const MOST: f64 = 4096.0;
+        let texture = &self.textures[picture as usize];
+        let sides = [f64::from(texture.width), f64::from(texture.height)];
+        // Texels that bilinear mixing may touch.
+        let range = |k: usize| {
+            let along = uv.map(|at| at[k] * sides[k]);
+            let [low, high] = [f64::min, f64::max].map(|pick| pick(pick(along[0], along[1]), along[2]));
+            ((low - 1.0).floor(), (high + 1.0).ceil())
+        };
+        let ((x0, x1), (y0, y1)) = (range(0), range(1));
+        if !((x1 - x0 + 1.0) * (y1 - y0 + 1.0) <= MOST) {
+            return false;
+        }
+        let middle = |i: i64, side: f64| ((i as f64 + 0.5) / side) as f32;
+        (y0 as i64..=y1 as i64).all(|y| {
+            (x0 as i64..=x1 as i64).all(|x| {
+                let texel = texel_at(texture, [middle(x, sides[0]), middle(y, sides[1])], &self.texels);
+                texel.truncate() == Vec3::ZERO
+            })
+        })
+    }
+
     /// The scene of these surfaces, those with corners last as the kernels want them, and what is worth a note.
-    pub fn finish(
-        mut self,
-        camera: Viewpoint,
-        palette: Palette,
-        points: Vec<PointLight>,
-        suns: Vec<Sun>,
-    ) -> (Content, Option<String>) {
+    pub fn finish(mut self, camera: Viewpoint, palette: Palette, lamps: Lamps) -> (Content, Option<String>) {
         self.surfaces.sort_by_key(|surface| surface.has_corners);
         let count = self.degenerate;
         let note = (count > 0).then(|| format!("{count} triangles have no area and were left out"));
@@ -123,8 +151,9 @@ impl Assembly {
             corners: self.corners,
             textures: self.textures,
             texels: self.texels,
-            points,
-            suns,
+            points: lamps.points,
+            suns: lamps.suns,
+            sky: lamps.sky,
         };
         (content, note)
     }

@@ -33,6 +33,8 @@ mod load;
 mod meshes;
 mod model;
 mod place;
+mod reference;
+mod sky;
 mod substances;
 mod surfaces;
 mod targets;
@@ -119,6 +121,12 @@ impl Scene {
     #[must_use]
     pub fn schema() -> String {
         format!("{:#}\n", schemars::schema_for!(file::SceneFile).to_value())
+    }
+
+    /// The page that has every field of scene files, made from the same types: docs/scene-reference.md.
+    #[must_use]
+    pub fn reference() -> String {
+        reference::page()
     }
 
     /// The camera for a picture of `width` × `height` pixels, each at least 1.

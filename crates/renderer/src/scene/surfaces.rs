@@ -45,7 +45,23 @@ impl Palette {
             let problem = "means nothing for this kind; remove it, or use `kind = \"metallic-roughness\"`";
             return Err(document.field_error(&path.key("roughness_texture"), problem));
         }
-        self.push(material, pictures);
+        let bounded = |key: &str, value: Option<f64>, default: f64, bounds, what: &str| match value {
+            Some(value) => number(document, &path.key(key), value, bounds, what),
+            None => Ok(default),
+        };
+        if table.normal_scale.is_some() && pictures.normal.is_none() {
+            let problem = "means nothing without a `normal_texture`; remove it or add one";
+            return Err(document.field_error(&path.key("normal_scale"), problem));
+        }
+        if table.alpha_cutoff.is_some() && pictures.colour.is_none() {
+            let problem = "means nothing without a `texture` that has an alpha; remove it or add one";
+            return Err(document.field_error(&path.key("alpha_cutoff"), problem));
+        }
+        let scale =
+            bounded("normal_scale", table.normal_scale, 1.0, (0.0, 100.0), "a factor on the slopes of normals")?;
+        let cutoff =
+            bounded("alpha_cutoff", table.alpha_cutoff, 0.0, (1e-3, 1.0), "the alpha below which there are holes")?;
+        self.push(material, Pictures { normal_excess: scale - 1.0, cutoff, ..pictures });
         Ok(())
     }
 
@@ -133,6 +149,10 @@ fn look(
         let problem = "is a mirror or dielectric, but what emits must not be; choose another or remove `radiance`";
         return Err(document.field_error(&path.key("material"), problem));
     }
+    if radiance.is_some() && palette.pictures[material].cutoff > 0.0 {
+        let problem = "has holes, but what emits must not; choose another or remove `radiance`";
+        return Err(document.field_error(&path.key("material"), problem));
+    }
     Ok((material, radiance))
 }
 
@@ -146,6 +166,10 @@ pub(super) fn sphere(
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
     let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
+    if palette.pictures[material].emission.is_some() && radiance.is_some() {
+        let problem = "has an `emission_texture`, but spheres have no texture coordinates; choose another";
+        return Err(document.field_error(&path.key("material"), problem));
+    }
     Ok(Surface { shape: Shape::Sphere { centre, radius }, material, radiance, object: 0, has_corners: false })
 }
 
@@ -154,7 +178,7 @@ pub(super) fn disc(
     document: &Document<'_>,
     path: &Path,
     table: &DiscTable,
-    palette: &Palette,
+    palette: &mut Palette,
 ) -> Result<Surface, SceneError> {
     let centre = vector(document, &path.key("centre"), table.centre)?;
     let normal = vector(document, &path.key("normal"), table.normal)?;
@@ -162,9 +186,9 @@ pub(super) fn disc(
         return Err(document.field_error(&path.key("normal"), "has no length; use [0, 1, 0], for example"));
     }
     let radius = number(document, &path.key("radius"), table.radius, (SHORTEST, LARGEST), "a radius (m)")?;
-    let material = palette.find(document, &path.key("material"), &table.material)?;
+    let (material, radiance) = look(document, path, table.material.as_ref(), table.radiance, palette)?;
     let edge_u = normal.normalize().any_orthonormal_vector() * (2.0 * radius);
     let edge_v = normal.normalize().cross(edge_u);
     let shape = Shape::Disc { corner: centre - (edge_u + edge_v) / 2.0, edge_u, edge_v };
-    Ok(Surface { shape, material, radiance: None, object: 0, has_corners: false })
+    Ok(Surface { shape, material, radiance, object: 0, has_corners: false })
 }

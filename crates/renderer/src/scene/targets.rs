@@ -2,7 +2,7 @@
 //! section 5.2.1, with spheres in place of pixels).
 
 use super::content::{NOTHING, Shape, Surface};
-use caustic_kernels::trace::{LIGHT_AREA, LIGHT_SPOT, LIGHT_TRIANGLE, Light, Target};
+use caustic_kernels::trace::{LIGHT_AREA, LIGHT_DISC, LIGHT_SPOT, LIGHT_TRIANGLE, Light, Target};
 use glam::{DVec3, Vec3};
 use std::collections::BTreeMap;
 
@@ -125,7 +125,7 @@ fn can_see(light: &Light, target: &Target) -> bool {
     let to_target = Vec3::from_array(target.centre) - Vec3::from_array(light.position);
     let normal = Vec3::from_array(light.normal);
     match light.kind {
-        LIGHT_AREA | LIGHT_TRIANGLE => to_target.dot(normal) > -radius,
+        LIGHT_AREA | LIGHT_TRIANGLE | LIGHT_DISC => to_target.dot(normal) > -radius,
         LIGHT_SPOT => {
             let distance = to_target.length();
             let half_angle = (1.0 - light.edges[0][1]).acos();

@@ -276,6 +276,16 @@ fn no_text_makes_it_panic() {
     assert!(Scene::parse("long.toml", &format!("{} = 1", "x".repeat(1 << 20))).is_err());
 }
 
+/// `caustic scene schema --page > docs/scene-reference.md` makes it anew.
+#[test]
+fn the_reference_page_in_the_docs_is_that_of_the_types() {
+    let page = Scene::reference();
+    assert_eq!(include_str!("../../../../docs/scene-reference.md"), page);
+    // Every field says what it means.
+    assert!(page.lines().filter(|line| line.starts_with("| `")).count() > 80);
+    assert!(!page.lines().any(|line| line.starts_with("| `") && line.ends_with("|  |")), "{page}");
+}
+
 /// `caustic scene schema > docs/scene.schema.json` makes it anew.
 #[test]
 fn the_schema_in_the_docs_is_that_of_the_types() {

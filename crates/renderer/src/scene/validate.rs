@@ -1,6 +1,6 @@
 //! From the fields of a file to a scene that can be rendered, or to the first thing that is wrong.
 
-use super::content::{Content, Pictures, PointLight, Shape, Substance, Sun};
+use super::content::{Content, Lamps, Pictures, Shape, Substance};
 use super::document::{Document, Path};
 use super::error::SceneError;
 use super::file::{InstanceTable, MeshTable, SceneFile};
@@ -34,8 +34,8 @@ pub(super) fn validate(
     let defaults = render(document, &file.render)?;
     let mut builder = Builder::default();
     builder.add(document, file, 0)?;
-    let Builder { palette, assembly, points, suns, mut notes, .. } = builder;
-    let (content, note) = assembly.finish(camera, palette, points, suns);
+    let Builder { palette, assembly, lamps, mut notes, .. } = builder;
+    let (content, note) = assembly.finish(camera, palette, lamps);
     notes.extend(note);
     whole_scene(document, &content)?;
     Ok((defaults, content.localised(), notes))
@@ -46,8 +46,7 @@ pub(super) fn validate(
 struct Builder {
     palette: Palette,
     assembly: Assembly,
-    points: Vec<PointLight>,
-    suns: Vec<Sun>,
+    lamps: Lamps,
     notes: Vec<String>,
     /// Meshes by their names, for instances.
     meshes: Vec<(String, Known)>,
@@ -75,6 +74,9 @@ impl Builder {
             let pictures = Pictures {
                 colour: picture(self, "texture", &table.texture, true)?,
                 roughness: picture(self, "roughness_texture", &table.roughness_texture, false)?,
+                normal: picture(self, "normal_texture", &table.normal_texture, false)?,
+                emission: picture(self, "emission_texture", &table.emission_texture, true)?,
+                ..Pictures::default()
             };
             self.palette.add(document, &path, name, table, pictures)?;
         }
@@ -101,9 +103,18 @@ impl Builder {
         }
         for (i, table) in file.lights.iter().enumerate() {
             let path = named(&top.key("lights").index(i), table.name.as_ref());
-            match lamp(document, &path, table)? {
-                Lamp::Point(point) => self.points.push(point),
-                Lamp::Sun(sun) => self.suns.push(sun),
+            match lamp(document, &path, table, &folder)? {
+                Lamp::Point(point) => self.lamps.points.push(point),
+                Lamp::Sun(sun) => self.lamps.suns.push(sun),
+                Lamp::Sky(..) if self.lamps.sky.is_some() => {
+                    let problem = "is a second environment, but a scene has one; remove one of them";
+                    return Err(document.field_error(&path, problem));
+                }
+                Lamp::Sky(panorama, factor, turned) => {
+                    let key = if table.file.is_some() { "file" } else { "radiance" };
+                    let sky = self.assembly.add_sky(&panorama, factor, turned);
+                    self.lamps.sky = Some(sky.map_err(|problem| document.field_error(&path.key(key), problem))?);
+                }
             }
         }
         Ok(())
@@ -207,11 +218,16 @@ impl Builder {
                     "has a material with a texture, but no texture coordinates; add them or use another material";
                 return Err(document.field_error(path, problem));
             }
+            if radiance.is_some() && palette.pictures[index].cutoff > 0.0 {
+                let problem = "emits, but has holes; choose another material or remove the emission";
+                return Err(document.field_error(path, problem));
+            }
             if radiance.is_some() && !palette.materials[index].may_emit() {
                 let problem = "emits, but is a mirror or dielectric; choose another material or remove the emission";
                 return Err(document.field_error(path, problem));
             }
-            looks.push(Look { material: index, textured, radiance, flat });
+            let emission = palette.pictures[index].emission;
+            looks.push(Look { material: index, textured, radiance, emission, flat });
         }
         Ok(looks)
     }
@@ -277,6 +293,7 @@ fn whole_scene(document: &Document<'_>, content: &Content) -> Result<(), SceneEr
     }
     let lights = content.points.len()
         + content.suns.len()
+        + usize::from(content.sky.is_some())
         + content.surfaces.iter().filter(|surface| surface.radiance.is_some()).count();
     if lights == 0 {
         return error("has no light, so it would be black; give a quad a `radiance` or add [[lights]]".to_string());

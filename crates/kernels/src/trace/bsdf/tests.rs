@@ -3,6 +3,7 @@
 use super::microfacet::{SMOOTHEST, sample_visible, visible_density};
 use super::*;
 use crate::num::pcg4d;
+use crate::trace::chi_square::{limit, of_directions, on_sphere};
 use crate::trace::scene::{MATERIAL_DIELECTRIC, MATERIAL_MIRROR, NO_TEXTURE};
 use crate::trace::vector::normalize;
 use std::vec;
@@ -19,6 +20,9 @@ pub(crate) const NOTHING: Material = Material {
     roughness: 0.0,
     metallic: 0.0,
     absorption: [0.0; 3],
+    normal_texture: NO_TEXTURE,
+    normal_scale: 1.0,
+    alpha_cutoff: 0.0,
 };
 
 fn layered(reflectance: [f32; 3], metallic: f32, roughness: f32) -> Material {
@@ -57,77 +61,14 @@ fn arriving(cos: f32) -> (Vec3, Vec3) {
 
 const COSINES: [f32; 8] = [1.0, 0.9, 0.5, 0.2, 0.05, -1.0, -0.6, -0.1];
 
-/// The direction about `n` with (1 + cos θ) / 2 = `x` and φ / 2π = `y`: uniform in solid angle.
-fn on_sphere(n: Vec3, x: f64, y: f64) -> Vec3 {
-    let z = 2.0 * x - 1.0;
-    let r = (1.0 - z * z).max(0.0).sqrt();
-    let (sin, cos) = (y * core::f64::consts::TAU).sin_cos();
-    crate::trace::vector::from_frame(n, (r * cos) as f32, (r * sin) as f32, z as f32)
-}
-
-const ROWS: usize = 32;
-const COLUMNS: usize = 16;
-
-/// The cell of the sphere about `n` that holds a direction: rows are even in θ, so that narrow lobes about the normal have many.
-fn cell(n: Vec3, d: Vec3) -> usize {
-    let local = crate::trace::vector::to_frame(n, d);
-    let x = f64::from(local.z).acos() / core::f64::consts::PI;
-    let y = f64::from(local.y).atan2(f64::from(local.x)) / core::f64::consts::TAU + 1.0;
-    let row = ((x * ROWS as f64) as usize).min(ROWS - 1);
-    row * COLUMNS + ((y.fract() * COLUMNS as f64) as usize).min(COLUMNS - 1)
-}
-
-/// χ² of samples against the integral of their density over cells, and its degrees of freedom. What the density leaves of 1 has to be
-/// the share of samples without a density (delta lobes and absorption). Cells expect `fault` times what they should.
+/// χ² of samples against their density, and its degrees of freedom. What the density leaves of 1 has to be the share of samples without one: of delta
+/// lobes and absorption.
 fn chi_square(material: &Material, cos: f32, fault: f64) -> (f64, usize) {
-    const SAMPLES: u32 = 1 << 17;
-    const FINE: usize = 24;
     let (d, n) = arriving(cos);
-    let mut expected = vec![0.0; ROWS * COLUMNS];
-    for row in 0..ROWS * FINE {
-        for column in 0..COLUMNS * FINE {
-            let x = (row as f64 + 0.5) / (ROWS * FINE) as f64;
-            let y = (column as f64 + 0.5) / (COLUMNS * FINE) as f64;
-            let theta = x * core::f64::consts::PI;
-            let pdf = evaluate(material, d, on_sphere(n, theta.cos() * 0.5 + 0.5, y), n).1;
-            let area = theta.sin() * 2.0 * core::f64::consts::PI.powi(2) / (ROWS * COLUMNS * FINE * FINE) as f64;
-            expected[row / FINE * COLUMNS + column / FINE] += f64::from(pdf) * area * f64::from(SAMPLES);
-        }
-    }
-    let rest = f64::from(SAMPLES) - expected.iter().sum::<f64>();
-    let mut found = vec![0.0; ROWS * COLUMNS];
-    let mut without = 0.0;
-    for i in 0..SAMPLES {
-        let scattered = sample(material, d, n, random(i, 1));
-        if scattered.pdf > 0.0 {
-            found[cell(n, scattered.direction)] += 1.0;
-        } else {
-            without += 1.0;
-        }
-    }
-    // Five standard deviations, and 0.4 % for the quadrature, which steps over the edges of lobes: it is 0.2 % off at worst.
-    let off = (without - rest).abs();
-    assert!(off < 0.004 * f64::from(SAMPLES) + 5.0 * without.sqrt(), "{material:?} at {cos}: {without} against {rest}");
-    // Cells that expect few are one cell together, as the test's theory wants it.
-    let mut few = [0.0; 2];
-    let (mut chi2, mut cells) = (0.0, 0);
-    for (found, expected) in found.into_iter().zip(expected.into_iter().map(|expected| expected * fault)) {
-        if expected < 20.0 {
-            few = [few[0] + found, few[1] + expected];
-        } else {
-            chi2 += (found - expected) * (found - expected) / expected;
-            cells += 1;
-        }
-    }
-    chi2 += (few[0] - few[1]) * (few[0] - few[1]) / few[1].max(20.0);
-    (chi2, cells)
-}
-
-/// The value that χ² exceeds once in 10⁶ times (Wilson and Hilferty 1931).
-fn limit(degrees: usize) -> f64 {
-    let k = degrees as f64;
-    let z = 4.753; // of the normal distribution
-    k * (1.0 - 2.0 / (9.0 * k) + z * (2.0 / (9.0 * k)).sqrt()).powi(3)
+    let sampled = |i| Some(sample(material, d, n, random(i, 1))).filter(|scattered| scattered.pdf > 0.0);
+    let direction = |i| sampled(i).map(|scattered| scattered.direction);
+    of_directions(n, direction, |out| evaluate(material, d, out, n).1, &std::format!("{material:?} at {cos}"))
+        .chi_square(fault)
 }
 
 #[test]

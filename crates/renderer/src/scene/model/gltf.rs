@@ -8,11 +8,12 @@ use crate::scene::text::one_line;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use caustic_kernels::trace::{WRAP_CLAMP, WRAP_MIRROR, WRAP_REPEAT};
-use glam::{DAffine3, DMat4, DVec3};
+use glam::{DAffine2, DAffine3, DMat4, DVec2, DVec3};
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::Kind;
+use gltf::material::AlphaMode;
 use gltf::mesh::Mode;
-use gltf::texture::WrappingMode;
+use gltf::texture::{Info, WrappingMode};
 use gltf::{Document, Gltf, Node, Semantic, buffer, image};
 use std::f64::consts::FRAC_PI_2;
 use std::path::Path;
@@ -39,7 +40,8 @@ pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Model, String> {
     let Gltf { document, blob } = Gltf::from_slice(bytes).map_err(invalid)?;
     let buffers = buffers(&document, blob, path)?;
     let mut model = Model::default();
-    let mut file = File { document: &document, buffers: &buffers, path, model: &mut model, nodes: 0 };
+    let mut file =
+        File { document: &document, buffers: &buffers, path, model: &mut model, nodes: 0, transforms: Vec::new() };
     file.materials()?;
     let scene = document.default_scene().or_else(|| document.scenes().next());
     let scene = scene.ok_or("has no scene, so there is nothing to see; export one")?;
@@ -83,6 +85,18 @@ fn decoded(uri: &str) -> String {
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
+/// What is said of pictures that are not laid out by the first texture coordinates.
+const ANOTHER_UV: &str = "pictures that have texture coordinates of their own";
+
+/// A picture's `KHR_texture_transform`: scaled, turned, moved.
+fn transform(info: &Info<'_>) -> DAffine2 {
+    info.texture_transform().map_or(DAffine2::IDENTITY, |transform| {
+        let [scale, offset] = [transform.scale(), transform.offset()].map(|v| DVec2::from_array(v.map(f64::from)));
+        // Counter-clockwise as the picture is seen, whose v grows downwards.
+        DAffine2::from_scale_angle_translation(scale, -f64::from(transform.rotation()), offset)
+    })
+}
+
 /// A file while it is read.
 struct File<'a> {
     document: &'a Document,
@@ -90,6 +104,8 @@ struct File<'a> {
     path: &'a Path,
     model: &'a mut Model,
     nodes: u32,
+    /// What texture coordinates of each finish go through.
+    transforms: Vec<DAffine2>,
 }
 
 impl File<'_> {
@@ -101,7 +117,7 @@ impl File<'_> {
     fn materials(&mut self) -> Result<(), String> {
         for material in self.document.materials() {
             let surface = material.pbr_metallic_roughness();
-            let [r, g, b, _] = surface.base_color_factor().map(f64::from);
+            let [r, g, b, alpha] = surface.base_color_factor().map(f64::from);
             let strength = f64::from(material.emissive_strength().unwrap_or(1.0));
             let emission = DVec3::from_array(material.emissive_factor().map(f64::from)) * strength;
             let mut finish = Finish {
@@ -112,36 +128,55 @@ impl File<'_> {
                 transmission: material.transmission().map_or(0.0, |t| t.transmission_factor().into()),
                 ior: material.ior().unwrap_or(1.5).into(),
                 emission,
-                picture: None,
-                roughness_picture: None,
+                ..Finish::default()
             };
-            if let Some(info) = surface.base_color_texture() {
-                if info.tex_coord() == 0 {
-                    finish.picture = Some(self.picture(&info.texture(), true)?);
+            finish.picture = self.picture_of(surface.base_color_texture(), true)?;
+            finish.roughness_picture = self.picture_of(surface.metallic_roughness_texture(), false)?;
+            finish.emission_picture = self.picture_of(material.emissive_texture(), true)?;
+            if let Some(normal) = material.normal_texture() {
+                if normal.tex_coord() == 0 {
+                    let scale = f64::from(normal.scale()).clamp(0.0, 100.0);
+                    finish.normal_picture = Some((self.picture(&normal.texture(), false)?, scale));
                 } else {
-                    self.left_out("pictures that have texture coordinates of their own");
+                    self.left_out(ANOTHER_UV);
                 }
             }
-            if let Some(info) = surface.metallic_roughness_texture() {
-                if info.tex_coord() == 0 {
-                    finish.roughness_picture = Some(self.picture(&info.texture(), false)?);
-                } else {
-                    self.left_out("pictures that have texture coordinates of their own");
+            if material.occlusion_texture().is_some() {
+                self.left_out("occlusion maps: light that does not come is traced");
+            }
+            match material.alpha_mode() {
+                AlphaMode::Opaque => {}
+                AlphaMode::Mask if emission.max_element() > 0.0 => self.left_out("holes of surfaces that emit"),
+                // The picture's alpha times the factor is below the cutoff.
+                AlphaMode::Mask => {
+                    let cutoff = f64::from(material.alpha_cutoff().unwrap_or(0.5));
+                    finish.cutoff = if cutoff > 0.0 { (cutoff / alpha.max(1e-6)).clamp(1e-3, 2.0) } else { 0.0 };
                 }
+                AlphaMode::Blend => self.left_out("alpha that blends: surfaces are opaque"),
             }
-            if material.normal_texture().is_some() || material.occlusion_texture().is_some() {
-                self.left_out("normal and occlusion maps");
-            }
-            if material.emissive_texture().is_some() {
-                self.left_out("pictures of emission: the whole surface emits its factor");
-            }
-            if material.alpha_mode() != gltf::material::AlphaMode::Opaque {
-                self.left_out("alpha: surfaces are opaque");
+            let infos =
+                [surface.base_color_texture(), surface.metallic_roughness_texture(), material.emissive_texture()];
+            let transforms: Vec<DAffine2> = infos.iter().flatten().map(transform).collect();
+            self.transforms.push(transforms.first().copied().unwrap_or(DAffine2::IDENTITY));
+            if transforms.windows(2).any(|two| two[0] != two[1]) {
+                self.left_out("texture transforms that differ among the pictures of a material");
             }
             self.model.finishes.push(finish);
         }
+        self.transforms.push(DAffine2::IDENTITY);
         self.model.finishes.push(Finish { coated: true, base: DVec3::ONE, ..Finish::default() });
         Ok(())
+    }
+
+    /// The picture that is told of, if it has the first texture coordinates.
+    fn picture_of(&mut self, info: Option<Info<'_>>, srgb: bool) -> Result<Option<usize>, String> {
+        let Some(info) = info else { return Ok(None) };
+        let other = info.texture_transform().and_then(|transform| transform.tex_coord());
+        if other.unwrap_or(info.tex_coord()) != 0 {
+            self.left_out(ANOTHER_UV);
+            return Ok(None);
+        }
+        self.picture(&info.texture(), srgb).map(Some)
     }
 
     fn picture(&mut self, texture: &gltf::Texture<'_>, srgb: bool) -> Result<usize, String> {
@@ -244,7 +279,9 @@ impl File<'_> {
             part.normals = numbers(&normals, self.buffers)?.into_iter().map(DVec3::from_array).collect();
         }
         if let Some(uv) = primitive.get(&Semantic::TexCoords(0)) {
-            part.uv = numbers(&uv, self.buffers)?;
+            let transform = self.transforms[finish];
+            let moved = |uv: [f64; 2]| transform.transform_point2(DVec2::from_array(uv)).to_array();
+            part.uv = numbers(&uv, self.buffers)?.into_iter().map(moved).collect();
         }
         if primitive.get(&Semantic::Colors(0)).is_some() {
             self.left_out("colours of points");

@@ -69,6 +69,12 @@ pub(super) struct Finish {
     pub picture: Option<usize>,
     /// Index of the picture that roughness and metalness are multiplied with.
     pub roughness_picture: Option<usize>,
+    /// Index of the picture that bends the normal, and the factor on its slopes.
+    pub normal_picture: Option<(usize, f64)>,
+    /// Index of the picture that emission is multiplied with.
+    pub emission_picture: Option<usize>,
+    /// Alpha of the picture of the base colour below which there are holes; 0 if there are none.
+    pub cutoff: f64,
 }
 
 impl Finish {
@@ -78,6 +84,10 @@ impl Finish {
             colour: self.picture.map(|at| added[at]),
             // What a glass has of them is not rendered.
             roughness: self.roughness_picture.map(|at| added[at]).filter(|_| self.transmission <= 0.5),
+            normal: self.normal_picture.map(|(at, _)| added[at]),
+            normal_excess: self.normal_picture.map_or(0.0, |(_, scale)| scale - 1.0),
+            emission: self.emission_picture.map(|at| added[at]),
+            cutoff: if self.picture.is_some() { self.cutoff } else { 0.0 },
         }
     }
 }
@@ -94,6 +104,9 @@ impl Default for Finish {
             emission: DVec3::ZERO,
             picture: None,
             roughness_picture: None,
+            normal_picture: None,
+            emission_picture: None,
+            cutoff: 0.0,
         }
     }
 }

@@ -60,6 +60,58 @@ fn small_files_give_their_triangles() {
     assert_eq!((model.cameras[0].position, model.cameras[0].target), (DVec3::Z * 5.0, DVec3::Z * 4.0));
 }
 
+/// A picture of one pixel, (255, 128, 64, 192).
+const PIXEL: &str = "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAYAAAAfFcSJAAAADUlEQVR4nGP43+BwAAAGwQKAz/YrcQAAAABJRU5ErkJggg==";
+
+/// Pictures of normals and emission, an alpha that cuts and a transform of texture coordinates; and what is left out is said.
+#[test]
+fn materials_of_gltf_have_their_pictures() {
+    let old = r#""materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.5,0.25,0.125,1],"metallicFactor":0}}]"#;
+    let with = |material: &str| {
+        let text = gltf_text(|text| {
+            assert!(text.contains(old));
+            let pictures = format!(
+                r#""textures":[{{"source":0}}],"images":[{{"uri":"data:image/png;base64,{PIXEL}"}}],"materials":[{material}]"#
+            );
+            // Positions are coordinates of textures as well.
+            let attributes = "\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":2}";
+            let uv = r#"{"bufferView":0,"componentType":5126,"count":4,"type":"VEC2"}"#;
+            text.replace(old, &pictures)
+                .replace("\"attributes\":{\"POSITION\":0}", attributes)
+                .replace("\"type\":\"SCALAR\"}]", &format!("\"type\":\"SCALAR\"}},{uv}]"))
+                .replace("\"extensionsUsed\":[", "\"extensionsUsed\":[\"KHR_texture_transform\",")
+        });
+        gltf::read(text.as_bytes(), &here()).unwrap()
+    };
+    let turned =
+        r#""extensions":{"KHR_texture_transform":{"offset":[0.5,0.25],"rotation":1.5707963705062866,"scale":[2,1]}}"#;
+    let model = with(&format!(
+        r#"{{"pbrMetallicRoughness":{{"baseColorFactor":[1,1,1,0.5],"baseColorTexture":{{"index":0,{turned}}}}},
+        "normalTexture":{{"index":0,"scale":0.5}},"alphaMode":"MASK","alphaCutoff":0.25}}"#
+    ));
+    let finish = &model.finishes[0];
+    assert_eq!((finish.picture.is_some(), finish.normal_picture.map(|(_, scale)| scale)), (true, Some(0.5)));
+    // Linear light once, and numbers as they are.
+    assert_eq!(model.pictures.len(), 2);
+    assert_eq!((finish.cutoff, finish.pictures(&[7, 8]).cutoff), (0.5, 0.5), "the factor of ½ is in it");
+    // (u, v) of the four corners are the first numbers of the points: (0, 0), (0, 1), … as floats follow each other.
+    let [u, v] = model.parts[0].uv[1];
+    assert!((u - 0.5 - 1.0).abs() < 1e-6 && (v - 0.25).abs() < 1e-6, "a quarter turn of (0, 1): {u}, {v}");
+    let [u, v] = model.parts[0].uv[0];
+    assert_eq!([u, v], [0.5, 0.25]);
+    let model = with(r#"{"emissiveFactor":[1,1,0.5],"emissiveTexture":{"index":0},"alphaMode":"BLEND"}"#);
+    assert_eq!(model.finishes[0].emission_picture, Some(0));
+    assert!(model.left_out.iter().any(|what| what.contains("blends")), "{:?}", model.left_out);
+    let model = with(
+        r#"{"emissiveFactor":[1,1,0.5],"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}"#,
+    );
+    assert_eq!(model.finishes[0].cutoff, 0.0);
+    assert!(model.left_out.iter().any(|what| what.contains("holes")), "{:?}", model.left_out);
+    let model = with(r#"{"pbrMetallicRoughness":{"baseColorTexture":{"index":0,"texCoord":1}}}"#);
+    assert_eq!(model.finishes[0].picture, None);
+    assert!(model.left_out.iter().any(|what| what.contains("coordinates of their own")), "{:?}", model.left_out);
+}
+
 #[test]
 fn a_mirrored_part_keeps_its_front() {
     let part = ply::read(PLY.as_bytes()).unwrap().parts.remove(0);
