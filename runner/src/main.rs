@@ -7,6 +7,7 @@ mod compare;
 mod experiments;
 mod info;
 mod map;
+mod merge;
 mod photons;
 mod progress;
 mod render;
@@ -97,6 +98,7 @@ fn main() -> ExitCode {
     };
     let result = match arguments.command.unwrap_or_default() {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Photons(arguments) => photons::run(&arguments),
         Command::Tonemap(arguments) => tonemap::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
