@@ -10,6 +10,7 @@ mod map;
 mod merge;
 mod photons;
 mod progress;
+mod ranks;
 mod render;
 mod scene;
 mod starter;
@@ -22,6 +23,7 @@ use clap::error::ErrorKind;
 use std::process::ExitCode;
 
 /// An error with the exit code it ends the program with.
+#[derive(Clone)]
 pub struct Failure {
     code: u8,
     message: String,
@@ -43,8 +45,19 @@ impl Failure {
         Self { code: 3, message: message.to_string() }
     }
 
+    /// The same, which another process tells of.
+    pub fn silent(&self) -> Self {
+        Self { code: self.code, message: String::new() }
+    }
+
+    /// Tells the user.
+    pub fn tell(&self) {
+        if !self.message.is_empty() {
+            eprintln!("error: {}", self.message);
+        }
+    }
+
     /// The exit code.
-    #[cfg(test)]
     pub fn code(&self) -> u8 {
         self.code
     }
@@ -116,7 +129,7 @@ fn main() -> ExitCode {
 }
 
 fn fail(failure: &Failure) -> ExitCode {
-    eprintln!("error: {}", failure.message);
+    failure.tell();
     ExitCode::from(failure.code)
 }
 

@@ -36,7 +36,7 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
     if !arguments.quiet {
         let (parts, passes, photons) = (arguments.parts.len(), merged.state.passes(), merged.state.photons());
         let output = arguments.output.display();
-        eprintln!("{parts} parts, {passes} passes, {photons} photons emitted; wrote {output}");
+        eprintln!("parts: {parts}, passes: {passes}, photons emitted: {photons}; wrote {output}");
         for note in merged.notes() {
             eprintln!("note: {note}");
         }

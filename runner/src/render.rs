@@ -3,34 +3,76 @@
 use crate::Failure;
 use crate::args::{RadiusArgument, RenderArguments, layers};
 use crate::progress::Monitor;
+use crate::ranks::Ranks;
 use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
 use caustic_renderer::output::{self, DENOISER_LAYERS, Extras, Format, LayerKind, Metadata, OutputError, can_denoise};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::{
-    About, Checkpoint, CheckpointError, Given, Integrator, PhotonFile, RenderError, RenderReport, Settings,
-    render_across, write_part,
+    About, Checkpoint, CheckpointError, Given, Integrator, PhotonFile, Remote, RenderError, RenderReport, Settings,
+    digest, render_across, write_part,
 };
 use std::path::Path;
 
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
-    let how = &arguments.how;
+    let Some(mut ranks) = Ranks::join()? else {
+        return prepare(arguments).and_then(|job| render(arguments, &job, None));
+    };
+    let mut job = prepare(arguments);
+    let ready = job.as_ref().ok().map(|job| digest(&job.scene, &job.settings, job.devices[0].is_exact()));
+    let agreed = ranks.agree(ready);
+    let root = ranks.is_root();
+    if let (Err(failure), true) = (&agreed, job.is_ok()) {
+        return Err(if root { failure.clone() } else { failure.silent() });
+    }
+    let job = job.as_mut().map_err(|failure| failure.clone())?;
+    // Each process of a host takes one of its devices.
+    let own = ranks.device(job.devices.len());
+    job.devices = vec![job.devices.swap_remove(own)];
+    if !root {
+        return ranks.help(&job.scene, &job.settings, &job.devices[0], job.file.as_ref()).map_err(|e| failure(&e));
+    }
+    let result = render(arguments, job, Some(&mut ranks));
+    if let Err(failure) = result {
+        failure.tell();
+        ranks.abort(failure.code());
+    }
+    Ok(())
+}
+
+/// What a render needs, checked.
+struct Job {
+    scene: Scene,
+    file: Option<PhotonFile>,
+    settings: Settings,
+    devices: Vec<Device>,
+    /// What they are, a line each.
+    lines: Vec<String>,
+}
+
+fn prepare(arguments: &RenderArguments) -> Result<Job, Failure> {
     check_output(arguments)?;
-    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
     if arguments.denoise && !can_denoise() {
         return Err(Failure::input(OutputError::NoDenoiser));
     }
     let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
     let file = arguments.load_map.as_deref().map(PhotonFile::read).transpose().map_err(Failure::input)?;
     let settings = settings(arguments, &scene, file.as_ref());
-    let asked = layers(&arguments.aov);
     if let Some(file) = &file {
         file.check_scene(&scene).map_err(Failure::input)?;
     }
     settings.validate().map_err(|error| failure(&error))?;
     let opened = Device::open_several(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
-    let (devices, lines): (Vec<_>, Vec<_>) = opened.into_iter().unzip();
+    let (devices, lines) = opened.into_iter().unzip();
+    Ok(Job { scene, file, settings, devices, lines })
+}
+
+fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> Result<(), Failure> {
+    let Job { scene, file, settings, devices, lines } = job;
+    let how = &arguments.how;
+    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
+    let asked = layers(&arguments.aov);
     if !arguments.quiet {
         lines.iter().for_each(|line| eprintln!("{line}"));
     }
@@ -42,10 +84,11 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: scene.name.clone(),
         seed: settings.seed,
-        settings: describe(&settings, precision, passes),
+        settings: describe(settings, precision, passes),
     };
-    let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint::new(path, &scene, &settings, exact));
-    let mut given = Given { photons: file.as_ref(), part: how.part, ..Given::default() };
+    let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint::new(path, scene, settings, exact));
+    let remote = ranks.map(|ranks| ranks as &mut dyn Remote);
+    let mut given = Given { photons: file.as_ref(), part: how.part, remote, passes: None };
     if let Some(checkpoint) = &checkpoint {
         let begun = if how.resume { checkpoint.load().map(Some) } else { checkpoint.begin().map(|()| None) };
         given.passes = begun.map_err(|error| checkpoint_failure(&error))?;
@@ -53,7 +96,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let plain = Extras { display, ..Extras::default() };
     let progress = &mut |progress| monitor.show(progress);
     let mut shown = 0;
-    let rendered = render_across(&scene, &settings, &devices, given, progress, &mut |state| {
+    let rendered = render_across(scene, settings, &devices, given, progress, &mut |state| {
         let kept = |error: &dyn std::fmt::Display| RenderError::AfterPass(error.to_string());
         if let Some(checkpoint) = &checkpoint {
             checkpoint.save(state).map_err(|error| kept(&error))?;
@@ -61,7 +104,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         // A picture to look at while it gets better; the last pass is written at the end in any case.
         let passes = state.passes();
         let wanted = passes.is_power_of_two() && passes > shown && how.part.is_none();
-        if wanted && settings.stop.passes != Some(passes) && !single(&settings) {
+        if wanted && settings.stop.passes != Some(passes) && !single(settings) {
             shown = passes;
             let written = output::write_with(&arguments.output, &state.image(), &metadata(passes), &plain);
             written.map_err(|error| kept(&error))?;
@@ -78,7 +121,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         }
         let passes = settings.passes().unwrap_or_default();
         let about = About { part, passes, layers: asked, metadata: metadata.clone() };
-        write_part(&arguments.output, &scene, &settings, exact, &about, &rendered.state).map_err(Failure::machine)?;
+        write_part(&arguments.output, scene, settings, exact, &about, &rendered.state).map_err(Failure::machine)?;
     } else {
         if arguments.denoise {
             rendered.image = output::denoise(&rendered.image, &rendered.layers).map_err(Failure::machine)?;
@@ -94,7 +137,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if arguments.json {
         let mut value = serde_json::to_value(&rendered.report).map_err(Failure::machine)?;
         value["output"] = arguments.output.display().to_string().into();
-        value["scene"] = scene.name.into();
+        value["scene"] = scene.name.clone().into();
         value["seed"] = settings.seed.into();
         value["settings"] = metadata.settings.into_iter().collect();
         println!("{value:#}");
@@ -125,6 +168,7 @@ fn check_output(arguments: &RenderArguments) -> Result<(), Failure> {
         return output::check_place(path).map_err(Failure::input);
     }
     output::check_path(path).map_err(Failure::input)?;
+    arguments.display.of(path).map_err(Failure::input)?;
     match layers(&arguments.aov).first().filter(|_| Format::of(path) != Ok(Format::Exr)) {
         Some(layer) => Err(Failure::input(OutputError::NoLayers { path: path.clone(), layer: layer.name() })),
         None => Ok(()),

@@ -129,6 +129,13 @@ pub(crate) fn difference(
     })
 }
 
+/// SHA-256 of everything that the bits of passes depend on: equal where two would render the same.
+#[must_use]
+pub fn digest(scene: &Scene, settings: &Settings, exact: bool) -> [u8; 32] {
+    let lines = identity(scene, settings, exact).into_iter().map(|(name, value)| format!("{name}={value}\n"));
+    Sha256::digest(lines.collect::<String>()).into()
+}
+
 /// Everything that the bits of a pass depend on. Hash and gather are not among it, and of the stops none.
 pub(crate) fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(String, String)> {
     let [width, height] = settings.size;

@@ -32,7 +32,7 @@ mod worker;
 
 pub use accumulate::ProgressState;
 pub use buffers::{SceneBuffers, Tracers};
-pub use checkpoint::{Checkpoint, CheckpointError};
+pub use checkpoint::{Checkpoint, CheckpointError, digest};
 pub use crew::{Remote, compute_for};
 pub use error::RenderError;
 pub use ledger::LightLedger;
