@@ -4,6 +4,7 @@ mod bench;
 mod compare;
 mod experiments;
 mod integrator;
+mod merge;
 mod photons;
 mod picture;
 
@@ -11,10 +12,11 @@ pub use bench::BenchArguments;
 pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
 pub use integrator::{IntegratorArguments, RadiusArgument};
+pub use merge::MergeArguments;
 pub use photons::{DumpArgument, PhotonsArguments};
 pub use picture::{DisplayArguments, LayerArgument, TonemapArguments, layers};
 
-use caustic_device::{DeviceChoice, Precision};
+use caustic_device::{DeviceChoice, DeviceChoices, Precision};
 use caustic_photon_map::{Gather, Hash, RADII};
 use caustic_renderer::Show;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
@@ -53,6 +55,8 @@ pub struct Arguments {
 pub enum Command {
     /// Renders a scene to a PNG, EXR or HDR file.
     Render(Box<RenderArguments>),
+    /// Merges the parts of a render (`render --part I/N`) into the image that one process would have made.
+    Merge(MergeArguments),
     /// Saves the photons of a scene for later renders, or tells of saved ones: statistics, CSV, point cloud.
     Photons(PhotonsArguments),
     /// Makes a PNG of a linear picture, with an exposure and a tone curve; or another linear format.
@@ -177,9 +181,10 @@ pub struct RenderArguments {
     /// Camera samples a pixel: more smooth edges, soft shadows and reflections.
     #[arg(long, value_name = "N", value_parser = whole(1, MAX_SPP), allow_negative_numbers = true)]
     pub spp: Option<u32>,
-    /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
+    /// Where to run: auto, cpu, gpu, gpu:NAME_OR_INDEX (see `caustic info`), gpu:all, or several such as gpu:0,gpu:1 or cpu+gpu:0. The image
+    /// does not depend on it.
     #[arg(long, value_name = "D", default_value = "auto")]
-    pub device: DeviceChoice,
+    pub device: DeviceChoices,
     /// Seed of the random numbers: the same seed gives the same image on every device [default: 0, or that of --load-map].
     #[arg(long, value_name = "S", value_parser = whole(0, u32::MAX), allow_negative_numbers = true)]
     pub seed: Option<u32>,

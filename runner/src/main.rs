@@ -7,8 +7,10 @@ mod compare;
 mod experiments;
 mod info;
 mod map;
+mod merge;
 mod photons;
 mod progress;
+mod ranks;
 mod render;
 mod scene;
 mod starter;
@@ -21,6 +23,7 @@ use clap::error::ErrorKind;
 use std::process::ExitCode;
 
 /// An error with the exit code it ends the program with.
+#[derive(Clone)]
 pub struct Failure {
     code: u8,
     message: String,
@@ -47,8 +50,19 @@ impl Failure {
         Self { message: format!("{}; {remark}", self.message), ..self }
     }
 
+    /// The same, which another process tells of.
+    pub fn silent(&self) -> Self {
+        Self { code: self.code, message: String::new() }
+    }
+
+    /// Tells the user.
+    pub fn tell(&self) {
+        if !self.message.is_empty() {
+            eprintln!("error: {}", self.message);
+        }
+    }
+
     /// The exit code.
-    #[cfg(test)]
     pub fn code(&self) -> u8 {
         self.code
     }
@@ -102,6 +116,7 @@ fn main() -> ExitCode {
     };
     let result = match arguments.command.unwrap_or_default() {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Merge(arguments) => merge::run(&arguments),
         Command::Photons(arguments) => photons::run(&arguments),
         Command::Tonemap(arguments) => tonemap::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),
@@ -119,7 +134,7 @@ fn main() -> ExitCode {
 }
 
 fn fail(failure: &Failure) -> ExitCode {
-    eprintln!("error: {}", failure.message);
+    failure.tell();
     ExitCode::from(failure.code)
 }
 

@@ -3,84 +3,141 @@
 use crate::Failure;
 use crate::args::{RadiusArgument, RenderArguments, layers};
 use crate::progress::Monitor;
+use crate::ranks::Ranks;
 use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
 use caustic_renderer::output::{self, DENOISER_LAYERS, Extras, Format, LayerKind, Metadata, OutputError, can_denoise};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::{
-    Checkpoint, CheckpointError, Given, Integrator, PhotonFile, RenderError, RenderReport, Settings, render_on,
+    About, Checkpoint, CheckpointError, Given, Integrator, PhotonFile, Remote, RenderError, RenderReport, Settings,
+    digest, render_across, write_part,
 };
 use std::path::Path;
 
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
-    output::check_path(&arguments.output).map_err(Failure::input)?;
-    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
+    let Some(mut ranks) = Ranks::join()? else {
+        return prepare(arguments).and_then(|job| render(arguments, &job, None));
+    };
+    let mut job = prepare(arguments);
+    let ready = job.as_ref().ok().map(|job| digest(&job.scene, &job.settings, job.devices[0].is_exact()));
+    let agreed = ranks.agree(ready);
+    let root = ranks.is_root();
+    if let (Err(failure), true) = (&agreed, job.is_ok()) {
+        return Err(if root { failure.clone() } else { failure.silent() });
+    }
+    let job = job.as_mut().map_err(|failure| failure.clone())?;
+    // Each process of a host takes one of its devices.
+    let own = ranks.device(job.devices.len());
+    job.devices = vec![job.devices.swap_remove(own)];
+    if !root {
+        return ranks.help(&job.scene, &job.settings, &job.devices[0], job.file.as_ref()).map_err(|e| failure(&e));
+    }
+    let result = render(arguments, job, Some(&mut ranks));
+    if let Err(failure) = result {
+        failure.tell();
+        ranks.abort(failure.code());
+    }
+    Ok(())
+}
+
+/// What a render needs, checked.
+struct Job {
+    scene: Scene,
+    file: Option<PhotonFile>,
+    settings: Settings,
+    devices: Vec<Device>,
+    /// What they are, a line each.
+    lines: Vec<String>,
+}
+
+fn prepare(arguments: &RenderArguments) -> Result<Job, Failure> {
+    check_output(arguments)?;
     if arguments.denoise && !can_denoise() {
         return Err(Failure::input(OutputError::NoDenoiser));
     }
     let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
     let file = arguments.load_map.as_deref().map(PhotonFile::read).transpose().map_err(Failure::input)?;
     let settings = settings(arguments, &scene, file.as_ref());
-    let asked = layers(&arguments.aov);
-    if let Some(layer) = asked.first().filter(|_| Format::of(&arguments.output) != Ok(Format::Exr)) {
-        let path = arguments.output.clone();
-        return Err(Failure::input(OutputError::NoLayers { path, layer: layer.name() }));
-    }
     if let Some(file) = &file {
         file.check_scene(&scene).map_err(Failure::input)?;
     }
     settings.validate().map_err(|error| failure(&error))?;
-    let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
+    let opened = Device::open_several(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
+    let (devices, lines) = opened.into_iter().unzip();
+    Ok(Job { scene, file, settings, devices, lines })
+}
+
+fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> Result<(), Failure> {
+    let Job { scene, file, settings, devices, lines } = job;
+    let how = &arguments.how;
+    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
+    let asked = layers(&arguments.aov);
     if !arguments.quiet {
-        eprintln!("{line}");
+        lines.iter().for_each(|line| eprintln!("{line}"));
     }
+    let devices: Vec<&Device> = devices.iter().collect();
     let mut monitor = Monitor::new(arguments.quiet);
-    let precision = if device.is_exact() { Precision::Exact } else { Precision::Fast };
+    let exact = devices[0].is_exact();
+    let precision = if exact { Precision::Exact } else { Precision::Fast };
     let metadata = |passes: u32| Metadata {
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: scene.name.clone(),
         seed: settings.seed,
-        settings: describe(&settings, precision, passes),
+        settings: describe(settings, precision, passes),
     };
-    let how = &arguments.how;
-    let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint::new(path, &scene, &settings, device.is_exact()));
-    let mut given = Given { passes: None, photons: file.as_ref() };
+    let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint::new(path, scene, settings, exact));
+    let remote = ranks.map(|ranks| ranks as &mut dyn Remote);
+    let mut given = Given { photons: file.as_ref(), part: how.part, remote, passes: None };
     if let Some(checkpoint) = &checkpoint {
         let begun = if how.resume { checkpoint.load().map(Some) } else { checkpoint.begin().map(|()| None) };
         given.passes = begun.map_err(|error| checkpoint_failure(&error))?;
     }
     let plain = Extras { display, ..Extras::default() };
     let progress = &mut |progress| monitor.show(progress);
-    let rendered = render_on(&scene, &settings, &device, given, progress, &mut |state| {
+    let mut shown = 0;
+    let rendered = render_across(scene, settings, &devices, given, progress, &mut |state| {
         let kept = |error: &dyn std::fmt::Display| RenderError::AfterPass(error.to_string());
         if let Some(checkpoint) = &checkpoint {
             checkpoint.save(state).map_err(|error| kept(&error))?;
         }
         // A picture to look at while it gets better; the last pass is written at the end in any case.
-        if state.passes.is_power_of_two() && settings.stop.passes != Some(state.passes) && !single(&settings) {
-            let written = output::write_with(&arguments.output, &state.image(), &metadata(state.passes), &plain);
+        let passes = state.passes();
+        let wanted = passes.is_power_of_two() && passes > shown && how.part.is_none();
+        if wanted && settings.stop.passes != Some(passes) && !single(settings) {
+            shown = passes;
+            let written = output::write_with(&arguments.output, &state.image(), &metadata(passes), &plain);
             written.map_err(|error| kept(&error))?;
         }
         Ok(())
     });
     monitor.finish();
     let mut rendered = rendered.map_err(|error| failure(&error))?;
-    let mut metadata = metadata(rendered.report.passes);
-    if arguments.denoise {
-        rendered.image = output::denoise(&rendered.image, &rendered.layers).map_err(Failure::machine)?;
-        metadata.settings.push(("denoiser".to_string(), "OpenImageDenoise".to_string()));
+    let report = &rendered.report;
+    let mut metadata = metadata(if how.part.is_some() { settings.passes().unwrap_or_default() } else { report.passes });
+    if let Some(part) = how.part {
+        if !report.complete {
+            return Err(Failure::interrupted_before_image());
+        }
+        let passes = settings.passes().unwrap_or_default();
+        let about = About { part, passes, layers: asked, metadata: metadata.clone() };
+        write_part(&arguments.output, scene, settings, exact, &about, &rendered.state).map_err(Failure::machine)?;
+    } else {
+        if arguments.denoise {
+            rendered.image = output::denoise(&rendered.image, &rendered.layers).map_err(Failure::machine)?;
+            metadata.settings.push(("denoiser".to_string(), "OpenImageDenoise".to_string()));
+        }
+        rendered.layers.retain(|layer| asked.contains(&layer.kind));
+        let extras = Extras { layers: &rendered.layers, ..plain };
+        output::write_with(&arguments.output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
     }
-    rendered.layers.retain(|layer| asked.contains(&layer.kind));
-    let extras = Extras { layers: &rendered.layers, ..plain };
-    output::write_with(&arguments.output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
     if !arguments.quiet {
         tell(&rendered.report, &arguments.output);
     }
     if arguments.json {
         let mut value = serde_json::to_value(&rendered.report).map_err(Failure::machine)?;
         value["output"] = arguments.output.display().to_string().into();
-        value["scene"] = scene.name.into();
+        value["scene"] = scene.name.clone().into();
         value["seed"] = settings.seed.into();
         value["settings"] = metadata.settings.into_iter().collect();
         println!("{value:#}");
@@ -95,6 +152,26 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
             rendered.report.problems.len()
         ))),
         _ => Ok(()),
+    }
+}
+
+/// Checks that the output can be what it is asked to be, where it is asked to be.
+fn check_output(arguments: &RenderArguments) -> Result<(), Failure> {
+    let path = &arguments.output;
+    if arguments.how.part.is_some() {
+        if path.extension().is_none_or(|ending| ending != "caustic") {
+            return Err(Failure::input(format!(
+                "--part: `{}` does not end in .caustic; a part of an image is no image yet, and `caustic merge` makes one of all parts",
+                path.display()
+            )));
+        }
+        return output::check_place(path).map_err(Failure::input);
+    }
+    output::check_path(path).map_err(Failure::input)?;
+    arguments.display.of(path).map_err(Failure::input)?;
+    match layers(&arguments.aov).first().filter(|_| Format::of(path) != Ok(Format::Exr)) {
+        Some(layer) => Err(Failure::input(OutputError::NoLayers { path: path.clone(), layer: layer.name() })),
+        None => Ok(()),
     }
 }
 

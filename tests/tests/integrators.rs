@@ -154,7 +154,7 @@ fn mse(alpha: f32, passes_wanted: [u32; 2]) -> [f64; 2] {
         };
         let mut first = 0.0;
         let last = render_on(&scene, &settings, &Device::cpu(), Given::default(), &mut |_| true, &mut |state| {
-            if state.passes == passes_wanted[0] {
+            if state.passes() == passes_wanted[0] {
                 first = error(&state.image());
             }
             Ok(())
@@ -195,7 +195,7 @@ fn a_render_that_goes_on_has_the_bits_of_one_that_never_stopped() {
         };
         render_on(&scene, &settings(2), &Device::cpu(), Given::default(), &mut |_| true, &mut keep).unwrap();
         let start = kept.take();
-        assert_eq!(start.as_ref().map(|state| state.passes), Some(2));
+        assert_eq!(start.as_ref().map(ProgressState::passes), Some(2));
         let went_on = render_on(
             &scene,
             &settings(5),
@@ -218,7 +218,7 @@ fn an_interrupted_render_keeps_the_passes_that_are_finished() {
     let done = std::cell::Cell::new(0);
     let stopped =
         render_on(&scene, &settings, &Device::cpu(), Given::default(), &mut |_| done.get() < 3, &mut |state| {
-            done.set(state.passes);
+            done.set(state.passes());
             Ok(())
         });
     let Rendered { image: stopped, report, .. } = stopped.unwrap();

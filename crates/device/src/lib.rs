@@ -18,7 +18,7 @@ mod timing;
 mod twin;
 
 pub use buffer::{Buffer, BufferBytes};
-pub use choice::{DeviceChoice, Precision};
+pub use choice::{DeviceChoice, DeviceChoices, Precision};
 pub use compare::{Difference, FirstDifference};
 pub use cpu::{LaneOrder, Observed, Observer};
 pub use error::Error;
@@ -101,6 +101,30 @@ impl Device {
         };
         let line = format!("device: {} ({why})", gpu.name());
         Ok((Self::new(Backend::Gpu(Arc::new(gpu))), line))
+    }
+
+    /// Opens devices that are to work together, and says in a line each which they are.
+    ///
+    /// # Errors
+    /// Those of [`Device::open_with`], and [`Error::NotExact`] if there are several and one of them is not exact: they would not agree.
+    pub fn open_several(choices: &DeviceChoices, precision: Precision) -> Result<Vec<(Self, String)>> {
+        let all;
+        let choices = match choices {
+            DeviceChoices::These(choices) => choices,
+            DeviceChoices::AllGpus => {
+                let indices = gpu::all(precision).into_iter();
+                all = indices.map(|index| DeviceChoice::Gpu(Some(index.to_string()))).collect();
+                if Vec::is_empty(&all) { &vec![DeviceChoice::Gpu(None)] } else { &all }
+            }
+        };
+        let devices: Vec<_> = choices.iter().map(|choice| Self::open_with(choice, precision)).collect::<Result<_>>()?;
+        match devices.iter().find(|(device, _)| devices.len() > 1 && !device.is_exact()) {
+            Some((device, _)) => Err(Error::NotExact {
+                device: device.name(),
+                reason: "several devices must agree bit for bit, and it is not exact".to_string(),
+            }),
+            None => Ok(devices),
+        }
     }
 
     /// This GPU and the CPU as one device: every stage runs on both, and what it writes is compared. The GPU then goes on with

@@ -1,103 +1,298 @@
-//! Passes of a picture, added up.
+//! Passes of a picture, added up in a tree that is the same whoever computed them.
+//!
+//! Passes 2n and 2n + 1 are added to a node, two such neighbours to the next, and so on: a node's bits depend on nothing but the passes below
+//! it. What nodes there are depends on which passes there are, not on their order of arrival, and the picture is the sum of the nodes
+//! that begin at pass 0 and leave no gap, from the last one, which is the smallest, to the first. So one process, parts of a farm and
+//! several devices come to the same picture, and what is kept is one node for each bit that is set in the number of passes.
 
-use crate::output::Image;
+use crate::output::{Image, Layer, LayerKind};
+use crate::sums::{Counts, Film, Values, plus};
+use crate::work::{Split, WorkUnit};
 use caustic_kernels::num::pcg4d;
 use caustic_kernels::trace::{LayerPixel, Pixel};
+use rayon::prelude::*;
+use std::ops::Range;
 
 /// Key with which the seeds of passes are drawn.
 const PASS_KEY: u32 = 0x9a55_0000;
 
-/// What the passes of a render have come to. Sums are in f64 and in the order of the passes, so that a render that went on from
-/// here has the bits of one that was never stopped.
+/// What a unit of work came to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Piece {
+    pub(crate) unit: WorkUnit,
+    pub(crate) counts: Counts,
+    pub(crate) film: Film,
+}
+
+impl Piece {
+    /// The pixels that a device developed. Photons count for the unit that the pass begins with.
+    pub(crate) fn new(unit: WorkUnit, film: &[Pixel], layers: &[LayerPixel], photons: u64) -> Self {
+        let photons = if unit.first_pixel == 0 { photons } else { 0 };
+        Self { unit, counts: Counts::of(film, photons), film: Film::new(film, layers) }
+    }
+}
+
+/// Passes `first` to `first + 2^level − 1`, added up; `first` is a multiple of 2^level.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Node {
+    pub(crate) first: u32,
+    pub(crate) level: u32,
+    pub(crate) values: Values,
+}
+
+impl Node {
+    fn end(&self) -> u32 {
+        self.first + (1 << self.level)
+    }
+}
+
+/// Units that are done.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Done {
+    passes: Vec<Range<u32>>,
+    units: Vec<WorkUnit>,
+}
+
+impl Done {
+    pub(crate) fn has(&self, unit: &WorkUnit) -> bool {
+        self.passes.iter().any(|passes| passes.contains(&unit.pass)) || self.units.contains(unit)
+    }
+}
+
+/// What the units of a render have come to so far, whichever they are and in whatever order they came: all that a render needs to go
+/// on, that a part of a render has to say, and that parts are merged from.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProgressState {
     /// Pixels in a row and in a column.
-    pub size: [u32; 2],
-    /// Passes that are in the sums.
-    pub passes: u32,
+    pub(crate) size: [u32; 2],
     /// Radius of the first pass, m.
-    pub first_radius: f32,
-    /// Photons emitted for all maps of all passes.
-    pub photons: u64,
-    /// Rays of camera paths and towards lights.
-    pub rays: u64,
-    /// Camera paths that were given up.
-    pub lost: u64,
-    /// Camera samples that were not finite.
-    pub not_finite: u64,
-    /// Sum of the pixels of all passes, W·sr⁻¹·m⁻².
-    pub sum: Vec<[f64; 3]>,
-    /// Sum of their squares.
-    pub squares: Vec<[f64; 3]>,
-    /// Sum of the layers of all passes, the words of a [`LayerPixel`] each; empty if there are none.
-    pub layers: Vec<[f64; LAYER_WORDS]>,
+    pub(crate) first_radius: f32,
+    /// Whether pixels have layers.
+    pub(crate) has_layers: bool,
+    /// Of the passes that are whole.
+    pub(crate) counts: Counts,
+    /// Passes that are whole, in their order.
+    pub(crate) nodes: Vec<Node>,
+    /// Of passes that are not whole, in the order of units.
+    pub(crate) pieces: Vec<Piece>,
 }
-
-/// Words of a [`LayerPixel`].
-pub const LAYER_WORDS: usize = size_of::<LayerPixel>() / size_of::<f32>();
 
 impl ProgressState {
     /// No pass yet, of a picture with or without layers.
     #[must_use]
     pub fn new(size: [u32; 2], first_radius: f32, has_layers: bool) -> Self {
-        let pixels = size[0] as usize * size[1] as usize;
-        let none = vec![[0.0; 3]; pixels];
-        let layers = vec![[0.0; LAYER_WORDS]; if has_layers { pixels } else { 0 }];
-        Self { size, first_radius, sum: none.clone(), squares: none, layers, ..Self::default() }
+        Self { size, first_radius, has_layers, ..Self::default() }
     }
 
-    /// Adds a pass.
-    pub(crate) fn add(&mut self, film: &[Pixel], layers: &[LayerPixel], photons: u64) {
-        for (sum, pixel) in self.layers.iter_mut().zip(layers) {
-            let words: [f32; LAYER_WORDS] = bytemuck::cast(*pixel);
-            sum.iter_mut().zip(words).for_each(|(sum, word)| *sum += f64::from(word));
+    fn pixels(&self) -> usize {
+        self.size[0] as usize * self.size[1] as usize
+    }
+
+    /// The nodes from pass 0 on that leave no gap.
+    fn prefix(&self) -> &[Node] {
+        let mut end = 0;
+        let count = self.nodes.iter().take_while(|node| {
+            let follows = node.first == end;
+            end = node.end();
+            follows
+        });
+        &self.nodes[..count.count()]
+    }
+
+    /// Passes from the first one on that are whole: those of the picture.
+    #[must_use]
+    pub fn passes(&self) -> u32 {
+        self.prefix().last().map_or(0, Node::end)
+    }
+
+    /// Whether there is nothing to show or to keep.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.nodes.is_empty() && self.pieces.is_empty()
+    }
+
+    /// Photons emitted for all maps of all whole passes.
+    #[must_use]
+    pub fn photons(&self) -> u64 {
+        self.counts.photons
+    }
+
+    /// Which units are done.
+    pub(crate) fn done(&self) -> Done {
+        let passes = self.nodes.iter().map(|node| node.first..node.end()).collect();
+        Done { passes, units: self.pieces.iter().map(|piece| piece.unit).collect() }
+    }
+
+    /// Forgets pieces of passes that are not units of this split.
+    pub(crate) fn keep_units(&mut self, split: &Split) {
+        self.pieces.retain(|piece| split.has(&piece.unit));
+    }
+
+    /// Adds a unit, which must not be there yet.
+    pub(crate) fn add(&mut self, piece: Piece) {
+        let pass = piece.unit.pass;
+        let at = self.pieces.partition_point(|other| other.unit < piece.unit);
+        self.pieces.insert(at, piece);
+        let of_pass = self.pieces.partition_point(|other| other.unit.pass < pass)
+            ..self.pieces.partition_point(|other| other.unit.pass <= pass);
+        let pixels: usize = self.pieces[of_pass.clone()].iter().map(|piece| piece.unit.pixels as usize).sum();
+        if pixels == self.pixels() {
+            let mut film = Film::default();
+            for piece in self.pieces.drain(of_pass) {
+                self.counts += piece.counts;
+                film.append(piece.film);
+            }
+            self.place(Node { first: pass, level: 0, values: Values::Pass(film) });
         }
-        for ((sum, squares), pixel) in self.sum.iter_mut().zip(&mut self.squares).zip(film) {
-            for channel in 0..3 {
-                let value = f64::from(pixel.rgb[channel]);
-                sum[channel] += value;
-                squares[channel] += value * value;
+    }
+
+    /// Puts a node where it belongs; siblings become their parent.
+    fn place(&mut self, mut node: Node) {
+        let sibling = |node: &Node| node.first ^ (1 << node.level);
+        while let Some(at) = self.nodes.iter().position(|o| o.first == sibling(&node) && o.level == node.level) {
+            let other = self.nodes.remove(at);
+            let (left, right) = if node.first < other.first { (node, other) } else { (other, node) };
+            let values = Values::parent(left.values, &right.values);
+            node = Node { first: left.first, level: left.level + 1, values };
+        }
+        let at = self.nodes.partition_point(|other| other.first < node.first);
+        self.nodes.insert(at, node);
+    }
+
+    /// The first unit that two states both hold.
+    pub(crate) fn overlap(&self, other: &Self) -> Option<WorkUnit> {
+        let pixels = self.pixels() as u32;
+        let spans = |state: &Self| -> Vec<(u32, u32, u32, u32)> {
+            let nodes = state.nodes.iter().map(|node| (node.first, node.end(), 0, pixels));
+            let pieces =
+                state.pieces.iter().map(|Piece { unit, .. }| (unit.pass, unit.pass + 1, unit.first_pixel, unit.end()));
+            nodes.chain(pieces).collect()
+        };
+        let theirs = spans(other);
+        spans(self).into_iter().find_map(|(pass, end, pixel, last)| {
+            let meets = |&&(a, b, c, d): &&(u32, u32, u32, u32)| pass < b && a < end && pixel < d && c < last;
+            let &(first, _, first_pixel, end) = theirs.iter().find(meets)?;
+            let (pass, first_pixel) = (pass.max(first), pixel.max(first_pixel));
+            Some(WorkUnit { pass, first_pixel, pixels: last.min(end) - first_pixel })
+        })
+    }
+
+    /// Adds all units of another state of the same picture, of which none may be here.
+    pub(crate) fn absorb(&mut self, other: Self) {
+        self.counts += other.counts;
+        other.nodes.into_iter().for_each(|node| self.place(node));
+        other.pieces.into_iter().for_each(|piece| self.add(piece));
+    }
+
+    /// What of so many passes is not there, in words; nothing if all is.
+    pub(crate) fn missing(&self, passes: u32) -> Vec<String> {
+        let mut missing = Vec::new();
+        let mut gap = |from: u32, to: u32| match to - from {
+            0 => {}
+            1 => missing.push(format!("pass {from}")),
+            _ => missing.push(format!("passes {from} to {}", to - 1)),
+        };
+        let mut next = 0;
+        let whole = self.nodes.iter().map(|node| (node.first, node.end()));
+        let mut begun: Vec<_> = self.pieces.iter().map(|piece| (piece.unit.pass, piece.unit.pass + 1)).collect();
+        begun.dedup();
+        let mut spans: Vec<_> = whole.chain(begun.iter().copied()).collect();
+        spans.sort_unstable();
+        for (first, end) in spans {
+            gap(next, first.min(passes).max(next));
+            next = end;
+        }
+        gap(next, passes.max(next));
+        for (pass, _) in begun {
+            let mut next = 0;
+            let of_pass = self.pieces.iter().map(|piece| piece.unit).filter(|unit| unit.pass == pass);
+            for (first, end) in of_pass.map(|u| (u.first_pixel, u.end())).chain([(self.pixels() as u32, 0)]) {
+                if first > next {
+                    missing.push(format!("pixels {next} to {} of pass {pass}", first - 1));
+                }
+                next = end;
             }
         }
-        let count = |of: fn(&Pixel) -> u32| film.iter().map(|pixel| u64::from(of(pixel))).sum::<u64>();
-        self.passes += 1;
-        self.photons += photons;
-        self.rays += count(|pixel| pixel.rays);
-        self.lost += count(|pixel| pixel.lost);
-        self.not_finite += count(|pixel| pixel.not_finite);
+        missing
     }
 
-    /// The picture so far: the mean of the passes.
+    /// Sums of a number of a pixel over the passes of the picture.
+    fn total<const N: usize>(&self, of: impl Fn(&Values) -> [f64; N]) -> [f64; N] {
+        let mut nodes = self.prefix().iter().rev();
+        let Some(last) = nodes.next() else { return [0.0; N] };
+        nodes.fold(of(&last.values), |sum, node| plus(of(&node.values), sum))
+    }
+
+    fn each_pixel<T: Send>(&self, of: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+        (0..self.pixels()).into_par_iter().map(of).collect()
+    }
+
+    /// The picture so far: the mean of the passes. Before the first one is whole, what there is of it.
     #[must_use]
     pub fn image(&self) -> Image {
-        let n = f64::from(self.passes.max(1));
-        let rgb = self.sum.iter().map(|sum| sum.map(|value| (value / n) as f32)).collect();
+        let n = f64::from(self.passes().max(1));
+        let mut rgb = self.each_pixel(|i| self.total(|values| values.rgb(i)).map(|value| (value / n) as f32));
+        for piece in self.first_pieces() {
+            rgb[piece.unit.first_pixel as usize..piece.unit.end() as usize].copy_from_slice(&piece.film.rgb);
+        }
         Image { width: self.size[0], height: self.size[1], rgb }
     }
 
     /// The layers so far: the mean of the passes.
     #[must_use]
     pub(crate) fn layer_pixels(&self) -> Vec<LayerPixel> {
-        let n = f64::from(self.passes.max(1));
-        self.layers.iter().map(|sum| bytemuck::cast(sum.map(|value| (value / n) as f32))).collect()
+        if !self.has_layers {
+            return Vec::new();
+        }
+        let n = f64::from(self.passes().max(1));
+        let mut layers = self.each_pixel(|i| self.total(|values| values.layers(i)).map(|value| (value / n) as f32));
+        for piece in self.first_pieces() {
+            layers[piece.unit.first_pixel as usize..piece.unit.end() as usize].copy_from_slice(&piece.film.layers);
+        }
+        layers.into_par_iter().map(bytemuck::cast).collect()
+    }
+
+    /// These layers so far.
+    pub(crate) fn layers(&self, kinds: &[LayerKind]) -> Vec<Layer> {
+        let pixels = self.layer_pixels();
+        let layer = |&kind: &LayerKind| match kind {
+            LayerKind::Variance => Layer { kind, values: self.variance_layer() },
+            _ => Layer::of(kind, &pixels),
+        };
+        kinds.iter().map(layer).collect()
+    }
+
+    /// Counts of all units, also of passes that are not whole.
+    pub(crate) fn all_counts(&self) -> Counts {
+        self.pieces.iter().fold(self.counts, |mut sum, piece| {
+            sum += piece.counts;
+            sum
+        })
+    }
+
+    /// Pieces of the first pass, as long as there are no others to show.
+    fn first_pieces(&self) -> impl Iterator<Item = &Piece> {
+        let shown = self.passes() == 0;
+        self.pieces.iter().filter(move |piece| shown && piece.unit.pass == 0)
     }
 
     /// Variance of the picture: s²/n of each value, s² being the variance of the passes; nothing before the second pass. Progressive
     /// passes have shrinking radii, so that their scatter is a little more than noise.
     #[must_use]
     pub fn variance(&self) -> Option<Vec<[f64; 3]>> {
-        if self.passes < 2 {
+        if self.passes() < 2 {
             return None;
         }
-        let n = f64::from(self.passes);
+        let n = f64::from(self.passes());
         let variance = |sum: f64, squares: f64| ((squares - sum * sum / n) / (n - 1.0) / n).max(0.0);
-        let pixels = self.sum.iter().zip(&self.squares);
-        Some(pixels.map(|(sum, squares)| std::array::from_fn(|c| variance(sum[c], squares[c]))).collect())
+        Some(self.each_pixel(|i| {
+            let (sum, squares) = (self.total(|values| values.rgb(i)), self.total(|values| values.squares(i)));
+            std::array::from_fn(|c| variance(sum[c], squares[c]))
+        }))
     }
 
     /// [`variance`](Self::variance) as a layer; 0 before the second pass.
     pub(crate) fn variance_layer(&self) -> Vec<f32> {
-        let variance = self.variance().unwrap_or_else(|| vec![[0.0; 3]; self.sum.len()]);
+        let variance = self.variance().unwrap_or_else(|| vec![[0.0; 3]; self.pixels()]);
         variance.as_flattened().iter().map(|&value| value as f32).collect()
     }
 
@@ -106,8 +301,9 @@ impl ProgressState {
     #[must_use]
     pub fn noise(&self) -> Option<f64> {
         let variance = self.variance()?;
-        let n = f64::from(self.passes);
-        let values = variance.as_flattened().iter().zip(self.sum.as_flattened());
+        let n = f64::from(self.passes());
+        let sums = self.each_pixel(|i| self.total(|values| values.rgb(i)));
+        let values = variance.as_flattened().iter().zip(sums.as_flattened());
         let sum: f64 = values.map(|(variance, sum)| variance / ((sum / n).powi(2) + 0.01)).sum();
         Some(sum / variance.as_flattened().len() as f64)
     }
@@ -133,32 +329,108 @@ pub(crate) fn pass_radius(first: f32, pass: u32, alpha: f32, least: f32) -> f32 
 mod tests {
     use super::*;
 
-    fn film(value: f32) -> Vec<Pixel> {
-        vec![Pixel { rgb: [value, 2.0 * value, 0.0], rays: 3, ..Pixel::default() }; 2]
+    const WHOLE: WorkUnit = WorkUnit { pass: 0, first_pixel: 0, pixels: 2 };
+
+    fn piece(pass: u32, value: f32) -> Piece {
+        let film = vec![Pixel { rgb: [value, 2.0 * value, 0.0], rays: 3, ..Pixel::default() }; 2];
+        Piece::new(WorkUnit { pass, ..WHOLE }, &film, &[], 10)
+    }
+
+    fn of(values: &[f32]) -> ProgressState {
+        let mut state = ProgressState::new([2, 1], 0.1, false);
+        values.iter().zip(0..).for_each(|(&value, pass)| state.add(piece(pass, value)));
+        state
     }
 
     #[test]
     fn a_picture_is_the_mean_of_its_passes_and_its_variance_that_of_a_mean() {
-        let mut state = ProgressState::new([2, 1], 0.1, false);
-        assert_eq!(state.image().rgb, [[0.0; 3]; 2]);
-        for value in [1.0, 2.0, 6.0] {
-            state.add(&film(value), &[], 10);
-        }
+        assert_eq!(of(&[]).image().rgb, [[0.0; 3]; 2]);
+        let state = of(&[1.0, 2.0, 6.0]);
         assert_eq!(state.image().rgb, [[3.0, 6.0, 0.0]; 2]);
         // The passes scatter by s² = 7, over 3 passes.
         let variance = state.variance().unwrap();
         assert!((variance[0][0] - 7.0 / 3.0).abs() < 1e-12 && (variance[1][1] - 28.0 / 3.0).abs() < 1e-12);
         let noise = (7.0 / 3.0 / 9.01 + 28.0 / 3.0 / 36.01) / 3.0;
         assert!((state.noise().unwrap() - noise).abs() < 1e-12);
-        assert_eq!((state.passes, state.photons, state.rays), (3, 30, 18));
+        assert_eq!((state.passes(), state.photons(), state.counts.rays), (3, 30, 18));
     }
 
     #[test]
     fn one_pass_is_the_picture_and_has_no_variance() {
-        let mut state = ProgressState::new([2, 1], 0.1, false);
-        state.add(&film(0.123_456_7), &[], 1);
+        let state = of(&[0.123_456_7]);
         assert_eq!(state.image().rgb[0], [0.123_456_7, 2.0 * 0.123_456_7, 0.0]);
         assert!(state.variance().is_none() && state.noise().is_none());
+    }
+
+    /// Values whose sum depends on the order in which f64 adds them.
+    fn values(count: u32) -> Vec<f32> {
+        let random = |i: u32| pcg4d([i, 7, 0, 0]);
+        (0..count).map(|i| random(i)[0] as f32 * 2f32.powi((random(i)[1] % 60) as i32 - 60)).collect()
+    }
+
+    #[test]
+    fn neither_the_order_of_arrival_nor_who_added_what_shows() {
+        for count in [1, 2, 3, 7, 8, 21, 64] {
+            let values = values(count);
+            let expected = of(&values);
+            assert_eq!(expected.nodes.len() as u32, count.count_ones());
+            for seed in 0..5 {
+                let mut order: Vec<u32> = (0..count).collect();
+                order.sort_by_key(|&i| pcg4d([i, seed, 1, 0])[0]);
+                let mut shuffled = ProgressState::new([2, 1], 0.1, false);
+                order.iter().for_each(|&pass| shuffled.add(piece(pass, values[pass as usize])));
+                assert!(shuffled == expected, "{count} passes, order {order:?}");
+                // Each pass is computed by one of three, who send what they have in the end.
+                let mut three = vec![ProgressState::new([2, 1], 0.1, false); 3];
+                for &pass in &order {
+                    three[pcg4d([pass, seed, 2, 0])[0] as usize % 3].add(piece(pass, values[pass as usize]));
+                }
+                let mut merged = ProgressState::new([2, 1], 0.1, false);
+                for state in three {
+                    assert_eq!(merged.overlap(&state), None);
+                    merged.absorb(state);
+                }
+                assert!(merged == expected, "{count} passes of three");
+            }
+        }
+        // A sum in another order has other bits, so that this could have failed.
+        let values = values(64);
+        let plain = values.iter().fold(0.0, |sum, &value| sum + f64::from(value));
+        assert_ne!(of(&values).total(|values| values.rgb(0))[0], plain);
+    }
+
+    #[test]
+    fn a_pass_is_whole_when_its_last_tile_is_there() {
+        let tile = |first_pixel: u32, value: f32| {
+            let unit = WorkUnit { pass: 0, first_pixel, pixels: 1 };
+            Piece::new(unit, &[Pixel { rgb: [value; 3], rays: 1, ..Pixel::default() }], &[], 10)
+        };
+        let mut state = ProgressState::new([2, 1], 0.1, false);
+        state.add(tile(1, 5.0));
+        assert_eq!((state.passes(), state.photons()), (0, 0));
+        assert_eq!(state.image().rgb, [[0.0; 3], [5.0; 3]], "what there is of the first pass is shown");
+        assert_eq!(state.missing(2), ["pass 1", "pixels 0 to 0 of pass 0"]);
+        assert!(state.done().has(&tile(1, 5.0).unit) && !state.done().has(&tile(0, 0.0).unit));
+        let mut other = ProgressState::new([2, 1], 0.1, false);
+        other.add(tile(0, 4.0));
+        assert_eq!(state.overlap(&other), None);
+        assert_eq!(state.overlap(&state), Some(tile(1, 0.0).unit));
+        other.absorb(state.clone());
+        assert_eq!((other.passes(), other.photons(), other.counts.rays), (1, 10, 2));
+        assert_eq!(other.image().rgb, [[4.0; 3], [5.0; 3]]);
+        assert_eq!(other.overlap(&state), Some(tile(1, 0.0).unit));
+        assert_eq!(other.missing(1), [""; 0]);
+    }
+
+    #[test]
+    fn gaps_are_named_and_end_the_picture() {
+        let mut state = of(&[1.0, 3.0]);
+        state.add(piece(3, 100.0));
+        state.add(piece(9, 100.0));
+        assert_eq!(state.passes(), 2);
+        assert_eq!(state.image().rgb[0][0], 2.0);
+        assert_eq!(state.missing(11), ["pass 2", "passes 4 to 8", "pass 10"]);
+        assert_eq!(state.missing(9), ["pass 2", "passes 4 to 8"]);
     }
 
     #[test]

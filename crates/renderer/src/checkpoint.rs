@@ -1,23 +1,15 @@
-//! Passes in a file, to go on from.
-//!
-//! A file is a line with the version, the length of a text as a `u32`, the text that says what the picture depends on (a line
-//! `name=value` each), the numbers of the state in little-endian order, and the SHA-256 of all that. It is written beside its place, brought to
-//! the disk and renamed, so that there is always a whole one: whenever the program is killed, at most the pass in flight is lost.
+//! Passes in a file, to go on from: whenever the program is killed, at most the units in flight are lost.
 
-use crate::accumulate::{LAYER_WORDS, ProgressState};
+use crate::ProgressState;
 use crate::output::OutputError;
 use crate::output::place;
 use crate::scene::{Scene, hex};
+use crate::state_file::{self, Fault};
 use crate::{Integrator, Settings};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// First line of a file.
-const VERSION: &[u8] = b"caustic checkpoint 1\n";
-/// Bytes of a SHA-256.
-const SUM: usize = 32;
 
 /// Why a checkpoint cannot be used, in one sentence with the remedy.
 #[derive(Debug, thiserror::Error)]
@@ -102,7 +94,7 @@ impl Checkpoint {
     /// # Errors
     /// [`CheckpointError::Write`].
     pub fn save(&self, state: &ProgressState) -> Result<(), CheckpointError> {
-        Ok(place::replace(&self.path, &self.encode(state))?)
+        Ok(place::replace(&self.path, &state_file::encode(&self.identity, None, state))?)
     }
 
     /// Reads what there was.
@@ -115,100 +107,37 @@ impl Checkpoint {
             io::ErrorKind::NotFound => CheckpointError::Missing { path: path() },
             _ => CheckpointError::Read { path: path(), reason: error.to_string() },
         })?;
-        if !bytes.starts_with(VERSION) {
-            return Err(CheckpointError::Foreign { path: path() });
+        let (header, state) = state_file::decode(&bytes).map_err(|fault| match fault {
+            Fault::Foreign => CheckpointError::Foreign { path: path() },
+            Fault::Damaged => CheckpointError::Damaged { path: path() },
+        })?;
+        match difference(&self.identity, &header.identity) {
+            None => Ok(state),
+            Some((name, expected, found)) => Err(CheckpointError::Different { path: path(), name, found, expected }),
         }
-        let damaged = || CheckpointError::Damaged { path: path() };
-        let (body, sum) = bytes.split_last_chunk::<SUM>().ok_or_else(damaged)?;
-        if Sha256::digest(body).as_slice() != sum {
-            return Err(damaged());
-        }
-        let mut rest = Reader(&body[VERSION.len()..]);
-        let length = rest.u32().ok_or_else(damaged)?;
-        let text = rest.take(length as usize).and_then(|text| std::str::from_utf8(text).ok()).ok_or_else(damaged)?;
-        self.compare(text)?;
-        rest.state().ok_or_else(damaged)
-    }
-
-    /// Refuses a file that was made with something else.
-    fn compare(&self, text: &str) -> Result<(), CheckpointError> {
-        let found: Vec<_> = text.lines().filter_map(|line| line.split_once('=')).collect();
-        for (name, expected) in &self.identity {
-            let value = found.iter().find(|(found, _)| found == name).map_or("(nothing)", |(_, value)| *value);
-            if value != expected {
-                return Err(CheckpointError::Different {
-                    path: self.path.clone(),
-                    name: name.clone(),
-                    found: value.to_string(),
-                    expected: expected.clone(),
-                });
-            }
-        }
-        Ok(())
-    }
-
-    fn encode(&self, state: &ProgressState) -> Vec<u8> {
-        let text: String = self.identity.iter().map(|(name, value)| format!("{name}={value}\n")).collect();
-        let mut bytes = VERSION.to_vec();
-        bytes.extend((text.len() as u32).to_le_bytes());
-        bytes.extend(text.as_bytes());
-        bytes.extend(
-            [state.size[0], state.size[1], state.passes, state.first_radius.to_bits()].map(u32::to_le_bytes).concat(),
-        );
-        bytes.extend([state.photons, state.rays, state.lost, state.not_finite].map(u64::to_le_bytes).concat());
-        for values in [state.sum.as_flattened(), state.squares.as_flattened(), state.layers.as_flattened()] {
-            bytes.extend(values.iter().flat_map(|value| value.to_le_bytes()));
-        }
-        let sum = Sha256::digest(&bytes);
-        bytes.extend(sum);
-        bytes
     }
 }
 
-/// Takes numbers from the front of bytes.
-struct Reader<'a>(&'a [u8]);
+/// The first name whose values differ, and both values.
+pub(crate) fn difference(
+    expected: &[(String, String)],
+    found: &[(String, String)],
+) -> Option<(String, String, String)> {
+    expected.iter().find_map(|(name, value)| {
+        let other = found.iter().find(|(found, _)| found == name).map_or("(nothing)", |(_, value)| value);
+        (other != value).then(|| (name.clone(), value.clone(), other.to_string()))
+    })
+}
 
-impl<'a> Reader<'a> {
-    fn take(&mut self, count: usize) -> Option<&'a [u8]> {
-        let (taken, rest) = self.0.split_at_checked(count)?;
-        self.0 = rest;
-        Some(taken)
-    }
-
-    fn u32(&mut self) -> Option<u32> {
-        Some(u32::from_le_bytes(self.take(4)?.try_into().ok()?))
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        Some(u64::from_le_bytes(self.take(8)?.try_into().ok()?))
-    }
-
-    fn state(&mut self) -> Option<ProgressState> {
-        let size = [self.u32()?, self.u32()?];
-        let (passes, first_radius) = (self.u32()?, f32::from_bits(self.u32()?));
-        let [photons, rays, lost, not_finite] = [self.u64()?, self.u64()?, self.u64()?, self.u64()?];
-        let pixels = usize::try_from(u64::from(size[0]) * u64::from(size[1])).ok()?;
-        // Before room is made for them.
-        let light = pixels.checked_mul(2 * 3 * 8)?;
-        let has_layers = self.0.len() != light;
-        if has_layers && self.0.len() != light.checked_add(pixels.checked_mul(LAYER_WORDS * 8)?)? {
-            return None;
-        }
-        let (sum, squares) = (self.values(pixels)?, self.values(pixels)?);
-        let layers = self.values(if has_layers { pixels } else { 0 })?;
-        Some(ProgressState { size, passes, first_radius, photons, rays, lost, not_finite, sum, squares, layers })
-    }
-
-    /// `N` numbers for each pixel.
-    fn values<const N: usize>(&mut self, pixels: usize) -> Option<Vec<[f64; N]>> {
-        let bytes = self.take(pixels.checked_mul(N * 8)?)?;
-        let value = |bytes: &[u8]| f64::from_le_bytes(std::array::from_fn(|i| bytes[i]));
-        Some(bytes.chunks_exact(N * 8).map(|pixel| std::array::from_fn(|c| value(&pixel[8 * c..]))).collect())
-    }
+/// SHA-256 of everything that the bits of passes depend on: equal where two would render the same.
+#[must_use]
+pub fn digest(scene: &Scene, settings: &Settings, exact: bool) -> [u8; 32] {
+    let lines = identity(scene, settings, exact).into_iter().map(|(name, value)| format!("{name}={value}\n"));
+    Sha256::digest(lines.collect::<String>()).into()
 }
 
 /// Everything that the bits of a pass depend on. Hash and gather are not among it, and of the stops none.
-fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(String, String)> {
+pub(crate) fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(String, String)> {
     let [width, height] = settings.size;
     let camera = hex(&Sha256::digest(bytemuck::bytes_of(&scene.camera(width, height))));
     let radius = if settings.automatic_radius { "auto".to_string() } else { settings.radius.to_string() };
@@ -242,6 +171,9 @@ fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(String, Str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accumulate::Piece;
+    use crate::work::WorkUnit;
+    use caustic_kernels::trace::{LayerPixel, Pixel};
 
     fn checkpoint(folder: &Path, settings: &Settings) -> Checkpoint {
         let scene = Scene::load("plane").unwrap();
@@ -252,20 +184,21 @@ mod tests {
         Settings { size: [3, 2], ..Settings::of(&Scene::load("plane").unwrap()) }
     }
 
-    fn state() -> ProgressState {
-        let value = |i: usize| [i as f64 + 0.1, -1.0 / (i as f64 + 3.0), 1e300];
-        ProgressState {
-            size: [3, 2],
-            passes: 7,
-            first_radius: 0.123,
-            photons: 1 << 40,
-            rays: 3,
-            lost: 2,
-            not_finite: 1,
-            sum: (0..6).map(value).collect(),
-            squares: (6..12).map(value).collect(),
-            layers: (0..6).map(|i| std::array::from_fn(|word| (i * LAYER_WORDS + word) as f64 / 7.0)).collect(),
+    /// Seven passes and some pixels of another.
+    fn state(layers: bool) -> ProgressState {
+        let mut state = ProgressState::new([3, 2], 0.123, layers);
+        for pass in 0..8 {
+            let pixels = if pass == 7 { 2 } else { 6 };
+            let unit = WorkUnit { pass, first_pixel: 0, pixels };
+            let value = |i: u32| (pass * 10 + i) as f32 + 0.1;
+            let film: Vec<_> = (0..pixels)
+                .map(|i| Pixel { rgb: [value(i), -1.0 / value(i), 1e30], rays: 3, lost: 1, ..Pixel::default() })
+                .collect();
+            let layer = |i: u32| LayerPixel { depth: value(i) / 7.0, ..LayerPixel::default() };
+            let films: Vec<_> = (0..if layers { pixels } else { 0 }).map(layer).collect();
+            state.add(Piece::new(unit, &film, &films, 1 << 40));
         }
+        state
     }
 
     #[test]
@@ -274,11 +207,10 @@ mod tests {
         let checkpoint = checkpoint(folder.path(), &settings());
         assert!(matches!(checkpoint.load(), Err(CheckpointError::Missing { .. })));
         checkpoint.begin().unwrap();
-        checkpoint.save(&state()).unwrap();
-        assert_eq!(checkpoint.load().unwrap(), state());
-        let plain = ProgressState { layers: Vec::new(), ..state() };
-        checkpoint.save(&plain).unwrap();
-        assert_eq!(checkpoint.load().unwrap(), plain);
+        for state in [state(true), state(false)] {
+            checkpoint.save(&state).unwrap();
+            assert_eq!(checkpoint.load().unwrap(), state);
+        }
         assert!(matches!(checkpoint.begin(), Err(CheckpointError::Exists { .. })));
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left behind");
     }
@@ -287,7 +219,7 @@ mod tests {
     fn whatever_is_wrong_with_a_file_is_noticed() {
         let folder = tempfile::tempdir().unwrap();
         let checkpoint = checkpoint(folder.path(), &settings());
-        checkpoint.save(&state()).unwrap();
+        checkpoint.save(&state(true)).unwrap();
         let whole = fs::read(folder.path().join("state")).unwrap();
         let load = |bytes: &[u8]| {
             fs::write(folder.path().join("state"), bytes).unwrap();
@@ -301,10 +233,10 @@ mod tests {
         for length in [0, 5, 21, 30, whole.len() - 33, whole.len() - 1] {
             assert!(load(&whole[..length]).is_err(), "{length} bytes");
         }
-        // Sizes that do not fit, with a checksum that does.
-        let mut lying = whole[..whole.len() - SUM].to_vec();
-        let text = u32::from_le_bytes(lying[VERSION.len()..][..4].try_into().unwrap()) as usize;
-        lying[VERSION.len() + 4 + text] = 200;
+        // A size that does not fit, with a checksum that does.
+        let at = whole.windows(12).position(|bytes| bytes == b"\"size\":[3,2]").unwrap();
+        let mut lying = whole[..whole.len() - 32].to_vec();
+        lying[at + 8] = b'9';
         let sum = Sha256::digest(&lying);
         lying.extend(sum);
         assert!(matches!(load(&lying), Err(CheckpointError::Damaged { .. })));
@@ -314,7 +246,7 @@ mod tests {
     #[test]
     fn a_file_of_another_picture_is_refused_and_says_what_differs() {
         let folder = tempfile::tempdir().unwrap();
-        checkpoint(folder.path(), &settings()).save(&state()).unwrap();
+        checkpoint(folder.path(), &settings()).save(&state(true)).unwrap();
         for (other, name) in [
             (Settings { seed: 1, ..settings() }, "seed"),
             (Settings { photons: 77, ..settings() }, "photons"),

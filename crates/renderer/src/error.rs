@@ -60,6 +60,14 @@ pub enum RenderError {
         /// Why.
         reason: String,
     },
+    /// Another process could not compute its units.
+    #[error("worker {worker}: {reason}")]
+    Elsewhere {
+        /// Which one.
+        worker: usize,
+        /// What it says.
+        reason: String,
+    },
     /// What is done after a pass went wrong.
     #[error("{0}")]
     AfterPass(String),
@@ -87,6 +95,13 @@ pub enum RenderError {
     /// The photon map refused its input.
     #[error(transparent)]
     Map(#[from] MapError),
+}
+
+impl RenderError {
+    /// Whether another device may be able to do what this one could not.
+    pub(crate) fn is_of_device(&self) -> bool {
+        matches!(self, Self::CutShort { .. } | Self::Map(MapError::CutShort { .. } | MapError::Device(_)))
+    }
 }
 
 impl From<caustic_device::Error> for RenderError {

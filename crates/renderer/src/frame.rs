@@ -1,4 +1,4 @@
-//! One pass of a picture: photon maps first, then the film, tile by tile.
+//! One pass of a picture: photon maps first, then the film or some pixels of it, tile by tile.
 
 use crate::buffers::SceneBuffers;
 use crate::ledger;
@@ -8,6 +8,7 @@ use crate::photon_file::PhotonFile;
 use crate::photons::{PassKind, photon_map};
 use crate::report::{MapReport, Progress};
 use crate::scene::{CompiledScene, Scene};
+use crate::work::WorkUnit;
 use crate::{Integrator, RenderError, Settings};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::Reach;
@@ -35,18 +36,29 @@ pub(crate) struct Frame<'a> {
     pub(crate) camera: Buffer,
 }
 
-/// A finished pass.
-#[derive(Default)]
-pub(crate) struct Pass {
-    pub(crate) film: Vec<Pixel>,
-    /// Its layers; empty if none are asked for.
-    pub(crate) layers: Vec<LayerPixel>,
-    /// Whether the film is whole.
-    pub(crate) complete: bool,
-    pub(crate) maps: Vec<MapReport>,
+/// The photon maps of a pass.
+pub(crate) struct Maps {
+    seed: u32,
+    global: Option<PhotonMap>,
+    caustic: Option<PhotonMap>,
+    pub(crate) said: Said,
+}
+
+/// What there is to say of the maps of a pass.
+#[derive(Clone, Default)]
+pub(crate) struct Said {
+    /// What became of them.
+    pub(crate) reports: Vec<MapReport>,
     pub(crate) notes: Vec<String>,
     /// What makes the picture doubtful.
     pub(crate) problems: Vec<String>,
+}
+
+/// Pixels of a pass, from the first that was asked for; fewer than that if the caller stopped it.
+pub(crate) struct Pixels {
+    pub(crate) film: Vec<Pixel>,
+    /// Their layers; empty if none are asked for.
+    pub(crate) layers: Vec<LayerPixel>,
 }
 
 impl<'a> Frame<'a> {
@@ -63,22 +75,21 @@ impl<'a> Frame<'a> {
         Ok(Self { device, scene, compiled, buffers, settings, photons, camera })
     }
 
-    /// Renders a pass with a seed and a radius of its own.
-    pub(crate) fn pass(
+    /// Makes the maps of a pass, with a seed and a radius of its own.
+    pub(crate) fn maps(
         &self,
         seed: u32,
         radius: f32,
         progress: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<Pass, RenderError> {
-        let mut pass = Pass::default();
+    ) -> Result<Maps, RenderError> {
+        let mut said = Said::default();
         let [global, caustic] = PassKind::of(self.settings, self.compiled);
-        let global = self.map(global, seed, radius, &mut pass, progress)?;
-        let caustic = self.map(caustic, seed, radius, &mut pass, progress)?;
+        let global = self.map(global, seed, radius, &mut said, progress)?;
+        let caustic = self.map(caustic, seed, radius, &mut said, progress)?;
         if self.settings.parts() & PART_CAUSTIC != 0 && !self.compiled.has_specular {
-            pass.notes.push("no caustic map: nothing in the scene is specular".to_string());
+            said.notes.push("no caustic map: nothing in the scene is specular".to_string());
         }
-        self.film(seed, global.as_ref(), caustic.as_ref(), &mut pass, progress)?;
-        Ok(pass)
+        Ok(Maps { seed, global, caustic, said })
     }
 
     fn map(
@@ -86,7 +97,7 @@ impl<'a> Frame<'a> {
         kind: Option<PassKind>,
         seed: u32,
         radius: f32,
-        pass: &mut Pass,
+        said: &mut Said,
         progress: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Option<PhotonMap>, RenderError> {
         let Some(kind) = kind else { return Ok(None) };
@@ -94,29 +105,28 @@ impl<'a> Frame<'a> {
         let settings = Settings { seed, radius, ..settings.clone() };
         let (map, report) = photon_map(device, compiled, buffers, &settings, &kind, self.photons, progress)?;
         if map.is_none() {
-            pass.notes.push(format!("the {} map is empty: no such light was found", kind.map));
+            said.notes.push(format!("the {} map is empty: no such light was found", kind.map));
         }
         if report.paths_cut > 0 {
             let (cut, map) = (report.paths_cut, kind.map);
-            pass.problems.push(format!("{cut} paths of the {map} map were given up after {MAX_BOUNCES} bounces"));
+            said.problems.push(format!("{cut} paths of the {map} map were given up after {MAX_BOUNCES} bounces"));
         }
-        pass.problems.extend(ledger::problems(kind.map, &report.ledger));
-        pass.maps.push(report);
+        said.problems.extend(ledger::problems(kind.map, &report.ledger));
+        said.reports.push(report);
         Ok(map)
     }
 
-    /// Renders the film and its layers.
-    fn film(
+    /// Renders the pixels of a unit and their layers.
+    pub(crate) fn film(
         &self,
-        seed: u32,
-        global: Option<&PhotonMap>,
-        caustic: Option<&PhotonMap>,
-        pass: &mut Pass,
+        unit: WorkUnit,
+        maps: &Maps,
         progress: &mut dyn FnMut(Progress) -> bool,
-    ) -> Result<(), RenderError> {
+    ) -> Result<Pixels, RenderError> {
         let Self { device, settings, .. } = *self;
-        let [width, height] = settings.size;
-        let pixels = width * height;
+        let &Maps { seed, ref global, ref caustic, .. } = maps;
+        let [global, caustic] = [global.as_ref(), caustic.as_ref()];
+        let (first, end) = (unit.first_pixel, unit.end());
         let spp = settings.spp;
         let mut parts = settings.parts();
         parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
@@ -127,8 +137,9 @@ impl<'a> Frame<'a> {
             gather: device.scratch::<GatherTile>("camera tile of gather", 1)?,
             film: device.scratch::<FilmTile>("camera tile of film", 1)?,
         };
-        let film = device.buffer::<Pixel>("film", u64::from(pixels))?;
-        let layer_pixels = if settings.needs_layers() { u64::from(pixels) } else { 0 };
+        // Pixels are written where they are in the picture.
+        let film = device.buffer::<Pixel>("film", u64::from(end))?;
+        let layer_pixels = if settings.needs_layers() { u64::from(end) } else { 0 };
         let layers = device.buffer::<LayerPixel>("layers", layer_pixels)?;
         let maps = [global, caustic];
         let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
@@ -136,20 +147,19 @@ impl<'a> Frame<'a> {
         let each = spp.saturating_mul(if parts & PART_GLOBAL != 0 { settings.final_gather.max(1) } else { 1 });
         // The plan of a tile, and of how many pixels it is.
         let mut plan = (0, Plan::new());
-        let mut complete = true;
-        let mut first_pixel = 0;
-        while first_pixel < pixels {
-            complete = progress(Progress { phase: "image", done: first_pixel.into(), total: pixels.into() });
-            if !complete {
+        let mut first_pixel = first;
+        while first_pixel < end {
+            let (done, total) = (u64::from(first_pixel - first), u64::from(unit.pixels));
+            if !progress(Progress { phase: "image", done, total }) {
                 break;
             }
-            let tile_pixels = (pace.size() / each).clamp(1, pixels);
+            let tile_pixels = (pace.size() / each).clamp(1, unit.pixels);
             if plan.0 != tile_pixels {
                 // The last one's buffers go first.
                 plan.1 = Plan::new();
                 plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, &tiles, [&film, &layers])?);
             }
-            let pixels = tile_pixels.min(pixels - first_pixel);
+            let pixels = tile_pixels.min(end - first_pixel);
             let rays = settings.final_gather;
             device.write(&tiles.camera, &[CameraTile { first_pixel, pixels, samples: spp, seed }]);
             device.write(&tiles.gather, &[GatherTile { first_pixel, pixels, samples: spp, rays, seed }]);
@@ -157,10 +167,11 @@ impl<'a> Frame<'a> {
             pace.run(|| device.run(&plan.1))?;
             first_pixel += pixels;
         }
-        pass.film = device.read(&film, u64::from(pixels))?;
-        pass.layers = device.read(&layers, layer_pixels)?;
-        pass.complete = complete;
-        Ok(())
+        let mut film: Vec<Pixel> = device.read(&film, u64::from(first_pixel))?;
+        let mut layers: Vec<LayerPixel> = device.read(&layers, layer_pixels.min(u64::from(first_pixel)))?;
+        film.drain(..first as usize);
+        layers.drain(..(first as usize).min(layers.len()));
+        Ok(Pixels { film, layers })
     }
 
     /// The stages of one tile. Only those whose part is wanted are in it.

@@ -1,17 +1,21 @@
-//! The render: passes until there are enough, added up.
+//! The render: units of passes until there are enough, added up.
 
-use crate::accumulate::{ProgressState, pass_radius, pass_seed};
+use crate::accumulate::ProgressState;
 use crate::buffers::SceneBuffers;
+use crate::crew::{self, Remote, Shared};
 use crate::frame::Frame;
-use crate::output::{Image, Layer, LayerKind};
+use crate::gather::{After, Gathering};
+use crate::output::{Image, Layer};
 use crate::photon_file::PhotonFile;
+use crate::queue::Queue;
 use crate::radius::find_radius;
 use crate::report::{Progress, RenderReport};
 use crate::scene::Scene;
-use crate::{Integrator, RenderError, Settings};
-use caustic_device::Device;
-use caustic_kernels::trace::Pixel;
-use caustic_photon_map::RADII;
+use crate::sums::Counts;
+use crate::work::{Part, Split};
+use crate::worker::{Worker, radius_of};
+use crate::{RenderError, Settings};
+use caustic_device::{BufferBytes, Device, StageTime};
 use std::time::Instant;
 
 /// A finished render.
@@ -22,6 +26,8 @@ pub struct Rendered {
     pub layers: Vec<Layer>,
     /// What the render did.
     pub report: RenderReport,
+    /// What its units came to: what a part is made of.
+    pub state: ProgressState,
 }
 
 /// Renders a scene. `progress` is called now and then, and the render stops when it returns false: with
@@ -46,9 +52,13 @@ pub struct Given<'a> {
     pub passes: Option<ProgressState>,
     /// Photons to use instead of traced ones: those of one pass.
     pub photons: Option<&'a PhotonFile>,
+    /// The part of the render to compute; all of it if not given.
+    pub part: Option<Part>,
+    /// Workers elsewhere who help.
+    pub remote: Option<&'a mut dyn Remote>,
 }
 
-/// [`render`] from what is given, that hands what there is after each pass to `after`.
+/// [`render`] from what is given, that hands what there is after each unit to `after`.
 ///
 /// # Errors
 /// All of [`RenderError`], and those of `after`.
@@ -63,8 +73,27 @@ pub fn render_on(
     progress: &mut dyn FnMut(Progress) -> bool,
     after: &mut dyn FnMut(&ProgressState) -> Result<(), RenderError>,
 ) -> Result<Rendered, RenderError> {
+    render_across(scene, settings, &[device], given, progress, after)
+}
+
+/// [`render_on`] on several devices at once, with the bits of one. A device that is lost leaves its units to the others.
+///
+/// # Errors
+/// All of [`RenderError`], and those of `after`.
+///
+/// # Panics
+/// If there is no device, or the passes that are given have another size than the picture, or others layers.
+pub fn render_across(
+    scene: &Scene,
+    settings: &Settings,
+    devices: &[&Device],
+    given: Given<'_>,
+    progress: &mut dyn FnMut(Progress) -> bool,
+    after: After<'_>,
+) -> Result<Rendered, RenderError> {
     settings.validate()?;
-    if let Some(file) = given.photons {
+    let Given { passes, photons, part, remote } = given;
+    if let Some(file) = photons {
         file.check_scene(scene)?;
         if settings.passes() != Some(1) {
             let range = "1 with photons from a file, which are those of one pass".to_string();
@@ -73,14 +102,18 @@ pub fn render_on(
         }
     }
     let clock = Instant::now();
+    let workers = devices.len() + remote.as_ref().map_or(0, |remote| remote.workers());
+    let split = Split::new(settings, part.map_or(1, |part| part.of), workers as u32);
+    let (first, end) = split.numbers(settings, part)?;
     let compiled = scene.compile();
-    let buffers = SceneBuffers::new(device, &compiled)?;
-    let frame = Frame::new(device, scene, &compiled, &buffers, settings, given.photons)?;
     let mut notes = scene.notes.clone();
-    let mut state = match given.passes {
-        Some(state) => {
+    let buffers = SceneBuffers::new(devices[0], &compiled)?;
+    let frame = Frame::new(devices[0], scene, &compiled, &buffers, settings, photons)?;
+    let state = match passes {
+        Some(mut state) => {
             assert_eq!(state.size, settings.size, "the size of the passes");
-            assert_eq!(!state.layers.is_empty(), settings.needs_layers(), "layers of the passes");
+            assert_eq!(state.has_layers, settings.needs_layers(), "layers of the passes");
+            state.keep_units(&split);
             state
         }
         None => {
@@ -89,142 +122,129 @@ pub fn render_on(
             ProgressState::new(settings.size, radius, settings.needs_layers())
         }
     };
-    let radius_of = |state: &ProgressState| match settings.integrator {
-        Integrator::Progressive => pass_radius(state.first_radius, state.passes, settings.alpha, *RADII.start()),
-        _ => state.first_radius,
-    };
-    let mut radius = radius_of(&state);
-    let mut maps = Vec::new();
-    let mut problems = Vec::new();
-    let mut partial = None;
-    // Only who asks for an error waits for an estimate of it after each pass.
-    let noise_of = |state: &ProgressState| settings.stop.error.and_then(|_| state.noise());
-    let mut noise = noise_of(&state);
-    let mut stopped_by = reached(settings, &state, noise, &clock);
-    while stopped_by.is_none() {
-        radius = radius_of(&state);
-        let alone = settings.passes() == Some(1);
-        let mut within = |now: Progress| {
-            if alone { progress(now) } else { progress(overall(settings, &state, noise, &clock, now)) }
-        };
-        match frame.pass(pass_seed(settings.seed, state.passes), radius, &mut within) {
-            Ok(pass) if pass.complete => {
-                check(device, &pass.film)?;
-                let emitted = pass.maps.iter().map(|map| u64::from(map.photons_emitted)).sum();
-                state.add(&pass.film, &pass.layers, emitted);
-                maps = pass.maps;
-                problems.extend(pass.problems);
-                if state.passes == 1 {
-                    notes.extend(pass.notes);
-                }
-                after(&state)?;
-                noise = noise_of(&state);
-                stopped_by = reached(settings, &state, noise, &clock);
-            }
-            // Of the first pass there are rows to show.
-            Ok(mut pass) if state.passes == 0 => {
-                check(device, &pass.film)?;
-                problems.append(&mut pass.problems);
-                notes.append(&mut pass.notes);
-                maps = std::mem::take(&mut pass.maps);
-                partial = Some(pass);
-                stopped_by = Some("interrupted");
-            }
-            Err(RenderError::Interrupted) if state.passes == 0 => return Err(RenderError::Interrupted),
-            Ok(_) | Err(RenderError::Interrupted) => stopped_by = Some("interrupted"),
+    let (done, first_radius) = (state.done(), state.first_radius);
+    let units = end.map(|end| (first..end).filter(|&unit| !done.has(&split.unit(unit))).count() as u64);
+    let queue = Queue::new(split, (first, end), done, workers);
+    let mut gathering = Gathering::new(settings, split, units, state, after, clock);
+    let worker = Worker::new(frame, first_radius);
+    if workers == 1 {
+        alone(worker, &queue, units == Some(1), &mut gathering, progress)?;
+    } else {
+        let shared = Shared { scene, compiled: &compiled, settings, photons, first_radius, queue: &queue };
+        crew::work(&shared, worker, devices, remote, &mut gathering, progress)?;
+    }
+    if gathering.stopped_by == Some("interrupted") && gathering.state.is_empty() {
+        return Err(RenderError::Interrupted);
+    }
+    Ok(rendered(settings, devices, gathering, notes, &clock))
+}
+
+/// One device computes all units of the queue.
+fn alone(
+    mut worker: Worker<'_>,
+    queue: &Queue,
+    single: bool,
+    gathering: &mut Gathering<'_>,
+    progress: &mut dyn FnMut(Progress) -> bool,
+) -> Result<(), RenderError> {
+    while gathering.stopped_by.is_none() {
+        let Some(unit) = queue.take(0) else { break };
+        let outcome = worker.run(unit, &mut |now| {
+            // Who waits for one unit wants to see what it is at.
+            let image = if now.phase == "image" { now.done as f64 / now.total.max(1) as f64 } else { 0.0 };
+            progress(if single { now } else { gathering.progress(image) })
+        });
+        queue.finish(0, &unit);
+        match outcome {
+            Ok(outcome) => gathering.accept(outcome)?,
+            Err(RenderError::Interrupted) => gathering.interrupt(),
             Err(error) => return Err(error),
         }
     }
-    let (passes, noise, photons_emitted) = (state.passes, state.noise(), state.photons);
-    if let Some(pass) = &partial {
-        state.add(&pass.film, &pass.layers, 0);
-    }
-    if state.lost > 0 {
-        notes.push(format!("{} camera paths were given up among mirrors and glass; they count as black", state.lost));
-    }
-    if state.not_finite > 0 {
-        let count = state.not_finite;
-        notes.push(format!("{count} camera samples were not finite and count as black: a radius or power is extreme"));
-    }
+    Ok(())
+}
+
+/// What a render that ended came to.
+fn rendered(
+    settings: &Settings,
+    devices: &[&Device],
+    gathering: Gathering<'_>,
+    mut said: Vec<String>,
+    clock: &Instant,
+) -> Rendered {
+    let Gathering { state, maps, last_pass, notes: more, mut problems, stopped_by, .. } = gathering;
+    said.extend(more);
+    let counts = state.all_counts();
+    said.extend(notes(&counts));
     // Each is a note as well, for those who do not ask for problems.
-    notes.extend(problems.iter().cloned());
-    let samples = [(state.lost, "given up"), (state.not_finite, "not finite")].into_iter();
+    said.extend(problems.iter().cloned());
+    let samples = [(counts.lost, "given up"), (counts.not_finite, "not finite")].into_iter();
     problems.extend(samples.filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} camera samples were {what}")));
     let image = state.image();
-    let layers = layers(settings, &state);
+    let layers = state.layers(&settings.layers);
+    let passes = state.passes();
+    let last_pass = last_pass.unwrap_or(passes.saturating_sub(1));
     let report = RenderReport {
-        device: device.name(),
+        device: devices.iter().map(|device| device.name()).collect::<Vec<_>>().join(" + "),
         complete: stopped_by != Some("interrupted"),
         passes,
-        stopped_by: stopped_by.unwrap_or_default(),
-        radius_m: radius,
-        noise,
-        photons_emitted,
+        // A part ends where its units do.
+        stopped_by: stopped_by.unwrap_or("passes"),
+        radius_m: radius_of(settings, state.first_radius, last_pass),
+        noise: state.noise(),
+        photons_emitted: state.photons(),
         seconds: clock.elapsed().as_secs_f64(),
         maps,
-        camera_rays: state.rays,
-        notes,
+        camera_rays: counts.rays,
+        notes: said,
         problems,
-        stages: device.stage_times(),
-        buffers: device.buffer_bytes(),
-        peak_bytes: device.total_bytes().1,
+        stages: stage_times(devices),
+        buffers: buffer_bytes(devices),
+        peak_bytes: devices.iter().map(|device| device.total_bytes().1).sum(),
         mean_radiance: mean(&image),
     };
-    Ok(Rendered { image, layers, report })
+    Rendered { image, layers, report, state }
 }
 
-/// The layers that the settings ask for.
-fn layers(settings: &Settings, state: &ProgressState) -> Vec<Layer> {
-    let pixels = state.layer_pixels();
-    let layer = |&kind: &LayerKind| match kind {
-        LayerKind::Variance => Layer { kind, values: state.variance_layer() },
-        _ => Layer::of(kind, &pixels),
-    };
-    settings.layers.iter().map(layer).collect()
+/// What counts of camera samples are worth a look.
+pub(crate) fn notes(counts: &Counts) -> Vec<String> {
+    let Counts { lost, not_finite, .. } = *counts;
+    let lost =
+        (lost > 0).then(|| format!("{lost} camera paths were given up among mirrors and glass; they count as black"));
+    let not_finite = (not_finite > 0).then(|| {
+        format!("{not_finite} camera samples were not finite and count as black: a radius or power is extreme")
+    });
+    lost.into_iter().chain(not_finite).collect()
 }
 
-/// Refuses a film that a device did not finish.
-fn check(device: &Device, film: &[Pixel]) -> Result<(), RenderError> {
-    match film.iter().map(|pixel| u64::from(pixel.cut_short)).sum() {
-        0 => Ok(()),
-        searches => Err(RenderError::CutShort { device: device.name(), searches }),
+/// Times of all devices together.
+fn stage_times(devices: &[&Device]) -> Vec<StageTime> {
+    let mut all: Vec<StageTime> = Vec::new();
+    for time in devices.iter().flat_map(|device| device.stage_times()) {
+        match all.iter_mut().find(|other| other.stage == time.stage) {
+            Some(other) => {
+                other.runs += time.runs;
+                other.ms += time.ms;
+            }
+            None => all.push(time),
+        }
     }
+    all
 }
 
-/// What says that there are enough passes.
-fn reached(settings: &Settings, state: &ProgressState, noise: Option<f64>, clock: &Instant) -> Option<&'static str> {
-    let stop = &settings.stop;
-    if state.passes == 0 {
-        return None;
+/// Bytes of all devices together.
+fn buffer_bytes(devices: &[&Device]) -> Vec<BufferBytes> {
+    let mut all: Vec<BufferBytes> = Vec::new();
+    for bytes in devices.iter().flat_map(|device| device.buffer_bytes()) {
+        match all.iter_mut().find(|other| other.buffer == bytes.buffer) {
+            Some(other) => {
+                other.bytes += bytes.bytes;
+                other.peak_bytes += bytes.peak_bytes;
+            }
+            None => all.push(bytes),
+        }
     }
-    if settings.passes().is_some_and(|passes| state.passes >= passes) {
-        Some("passes")
-    } else if stop.photons.is_some_and(|photons| state.photons >= photons) {
-        Some("photons")
-    } else if stop.seconds.is_some_and(|seconds| clock.elapsed().as_secs_f64() >= seconds) {
-        Some("time")
-    } else if stop.error.is_some_and(|error| noise.is_some_and(|noise| noise <= error)) {
-        Some("error")
-    } else {
-        None
-    }
-}
-
-/// Progress of all passes: that of whatever is going to end them first.
-fn overall(settings: &Settings, state: &ProgressState, noise: Option<f64>, clock: &Instant, now: Progress) -> Progress {
-    const TOTAL: u64 = 1 << 20;
-    let within = if now.phase == "image" { now.done as f64 / now.total.max(1) as f64 } else { 0.0 };
-    let done = f64::from(state.passes) + within;
-    let stop = &settings.stop;
-    let parts = [
-        settings.passes().map(|passes| done / f64::from(passes)),
-        stop.seconds.map(|seconds| clock.elapsed().as_secs_f64() / seconds),
-        stop.photons.map(|photons| state.photons as f64 / photons as f64),
-        // Noise falls with the number of passes.
-        stop.error.and_then(|error| Some(error / noise? * done / f64::from(state.passes))),
-    ];
-    let part = parts.into_iter().flatten().fold(0.0, f64::max).min(1.0);
-    Progress { phase: "passes", done: (part * TOTAL as f64) as u64, total: TOTAL }
+    all
 }
 
 /// Mean radiance of an image, W·sr⁻¹·m⁻².

@@ -164,8 +164,9 @@ impl Settings {
         Estimate { filter: self.filter, surface: self.surface, k, gather: self.gather }
     }
 
-    /// [`Stop::passes`], of which there is one if nothing else ends the render.
-    pub(crate) fn passes(&self) -> Option<u32> {
+    /// [`Stop::passes`], or how many there are if nothing ends the render; nothing if something else does.
+    #[must_use]
+    pub fn passes(&self) -> Option<u32> {
         if self.stop != Stop::default() {
             return self.stop.passes;
         }

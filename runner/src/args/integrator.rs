@@ -2,7 +2,7 @@
 
 use super::whole;
 use caustic_photon_map::{Filter, RADII, Surface};
-use caustic_renderer::{Integrator, MAX_FINAL_GATHER, MAX_PASSES, Stop};
+use caustic_renderer::{Integrator, MAX_FINAL_GATHER, MAX_PASSES, Part, Stop};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -41,6 +41,9 @@ pub struct IntegratorArguments {
     /// Goes on from the checkpoint: the picture has the bits of one that was never stopped.
     #[arg(long, requires = "checkpoint")]
     pub resume: bool,
+    /// Computes part I of N, such as 3/8, for `caustic merge`; -o then names a .caustic file. Parts need not be on one machine: docs/farm.md.
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["denoise", "exposure", "tone_map"], allow_hyphen_values = true)]
+    pub part: Option<Part>,
 }
 
 impl IntegratorArguments {

@@ -104,6 +104,9 @@ impl Cpu {
                     stage
                 }
                 Step::Run { stage, kernel, groups, buffers } => {
+                    if let Some(observer) = &self.observer {
+                        observer.begin(stage)?;
+                    }
                     let mut guards: Vec<_> = kernel
                         .bindings()
                         .iter()

@@ -1,6 +1,6 @@
 //! Watching what a CPU device runs.
 
-use crate::Kernel;
+use crate::{Kernel, Result};
 
 /// A stage that has just run.
 pub struct Observed<'a> {
@@ -16,6 +16,14 @@ pub struct Observed<'a> {
 
 /// Told of every stage that a [`Device::observed`](crate::Device::observed) runs.
 pub trait Observer: Send + Sync {
+    /// Called before each stage. An error ends the plan in its place: a device that is lost, for tests of those who use one.
+    ///
+    /// # Errors
+    /// Whatever the device is to fail with.
+    fn begin(&self, _stage: &str) -> Result<()> {
+        Ok(())
+    }
+
     /// Called after each stage.
     fn observe(&self, stage: &Observed<'_>);
 }

@@ -116,6 +116,13 @@ pub(crate) fn open_hardware(precision: Precision) -> Result<Option<Gpu>> {
     Ok(None)
 }
 
+/// Indices of all hardware GPUs that can run kernels of this precision; of the software ones if there is no hardware.
+pub(crate) fn all(precision: Precision) -> Vec<usize> {
+    let reports: Vec<_> = adapters().into_iter().filter(|report| runs(report, precision)).collect();
+    let hardware = reports.iter().any(|report| report.kind != "software");
+    reports.iter().filter(|report| (report.kind == "software") != hardware).map(|report| report.index).collect()
+}
+
 /// The GPU with this index or with this text in its name; without either the first that can run kernels of this precision,
 /// exact before portable and hardware before software.
 pub(crate) fn open(wanted: Option<&str>, precision: Precision) -> Result<Gpu> {

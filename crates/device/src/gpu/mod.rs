@@ -11,7 +11,7 @@ mod stamps;
 mod submit;
 
 pub use adapters::{AdapterReport, adapters};
-pub(crate) use adapters::{open, open_hardware};
+pub(crate) use adapters::{all, open, open_hardware};
 pub use pipelines::{ShaderManifest, manifest};
 
 use crate::kernel::Kernel;

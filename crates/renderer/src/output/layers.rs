@@ -7,7 +7,8 @@ use caustic_kernels::trace::LayerPixel;
 /// [`Direct`](Self::Direct), [`Global`](Self::Global) and [`Caustic`](Self::Caustic) add up to the picture of one pass, (direct +
 /// global) + caustic in f32, bit for bit. The layers from [`Radius`](Self::Radius) to [`Depth`](Self::Depth) are means of the samples that see a diffuse surface, through
 /// mirrors and glass if need be, and 0 where none does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum LayerKind {
     /// Light that is seen straight or came straight from a light, W·sr⁻¹·m⁻².
     Direct,

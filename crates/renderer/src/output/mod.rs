@@ -47,7 +47,7 @@ impl Image {
 
 /// What an EXR says about how its picture was made, in the attributes `caustic.version`, `caustic.scene`, `caustic.seed` and
 /// `caustic.settings`, the last with a line `name=value` for each.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Metadata {
     /// Version of the program.
     pub version: String,
