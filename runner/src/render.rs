@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use crate::args::{RadiusArgument, RenderArguments, layers};
+use crate::plan::Planned;
 use crate::progress::Monitor;
 use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
@@ -14,8 +15,9 @@ use std::path::Path;
 
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
-    output::check_path(&arguments.output).map_err(Failure::input)?;
-    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
+    let output = arguments.output.as_deref().ok_or_else(|| Failure::input("-o FILE is missing: where to write the image"))?;
+    output::check_path(output).map_err(Failure::input)?;
+    let display = arguments.display.of(output).map_err(Failure::input)?;
     if arguments.denoise && !can_denoise() {
         return Err(Failure::input(OutputError::NoDenoiser));
     }
@@ -23,8 +25,8 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let file = arguments.load_map.as_deref().map(PhotonFile::read).transpose().map_err(Failure::input)?;
     let settings = settings(arguments, &scene, file.as_ref());
     let asked = layers(&arguments.aov);
-    if let Some(layer) = asked.first().filter(|_| Format::of(&arguments.output) != Ok(Format::Exr)) {
-        let path = arguments.output.clone();
+    if let Some(layer) = asked.first().filter(|_| Format::of(output) != Ok(Format::Exr)) {
+        let path = output.to_path_buf();
         return Err(Failure::input(OutputError::NoLayers { path, layer: layer.name() }));
     }
     if let Some(file) = &file {
@@ -36,6 +38,11 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         eprintln!("{line}");
     }
     let mut monitor = Monitor::new(arguments.quiet);
+    let planned = Planned::new(arguments, &scene, settings, &device, &mut monitor)?;
+    if !arguments.quiet {
+        planned.tell(arguments.plan.explain);
+    }
+    let settings = planned.settings.clone();
     let precision = if device.is_exact() { Precision::Exact } else { Precision::Fast };
     let metadata = |passes: u32| Metadata {
         version: env!("CARGO_PKG_VERSION").to_string(),
@@ -59,7 +66,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
         }
         // A picture to look at while it gets better; the last pass is written at the end in any case.
         if state.passes.is_power_of_two() && settings.stop.passes != Some(state.passes) && !single(&settings) {
-            let written = output::write_with(&arguments.output, &state.image(), &metadata(state.passes), &plain);
+            let written = output::write_with(output, &state.image(), &metadata(state.passes), &plain);
             written.map_err(|error| kept(&error))?;
         }
         Ok(())
@@ -73,25 +80,27 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     }
     rendered.layers.retain(|layer| asked.contains(&layer.kind));
     let extras = Extras { layers: &rendered.layers, ..plain };
-    output::write_with(&arguments.output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
+    output::write_with(output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
     if !arguments.quiet {
-        tell(&rendered.report, &arguments.output);
+        tell(&rendered.report, output);
+        planned.compare(&rendered.report, &device);
     }
     if arguments.json {
         let mut value = serde_json::to_value(&rendered.report).map_err(Failure::machine)?;
-        value["output"] = arguments.output.display().to_string().into();
+        value["output"] = output.display().to_string().into();
         value["scene"] = scene.name.into();
         value["seed"] = settings.seed.into();
+        value["plan"] = planned.json();
         value["settings"] = metadata.settings.into_iter().collect();
         println!("{value:#}");
     }
     if !rendered.report.complete {
-        return Err(Failure::interrupted(&arguments.output, rendered.report.passes));
+        return Err(Failure::interrupted(output, rendered.report.passes));
     }
     match rendered.report.problems.first() {
         Some(problem) if arguments.strict => Err(Failure::machine(format!(
             "{} is written, but --strict was asked for and the render has {} problems, the first: {problem}",
-            arguments.output.display(),
+            output.display(),
             rendered.report.problems.len()
         ))),
         _ => Ok(()),
@@ -99,7 +108,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 }
 
 /// The settings of the scene, with those of the command line in their place where given.
-fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile>) -> Settings {
+pub fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile>) -> Settings {
     let defaults = Settings::of(scene);
     Settings {
         size: arguments.size.unwrap_or(defaults.size),
@@ -115,6 +124,7 @@ fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile
         },
         automatic_radius: matches!(arguments.radius, Some(RadiusArgument::Auto)),
         hash: arguments.hash.into(),
+        table: arguments.table,
         gather: arguments.gather.into(),
         spp: arguments.spp.unwrap_or(defaults.spp),
         seed: arguments.seed.or(file.map(|file| file.header.seed)).unwrap_or_default(),
@@ -126,6 +136,7 @@ fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile
         final_gather: arguments.how.final_gather,
         stop: arguments.how.stop(),
         layers: wanted_layers(arguments),
+        forced: arguments.plan.force.iter().map(|&feature| feature.into()).collect(),
         health: arguments.json,
     }
 }

@@ -73,7 +73,7 @@ pub fn render_on(
         }
     }
     let clock = Instant::now();
-    let compiled = scene.compile();
+    let compiled = scene.compile_with(&settings.forced);
     let buffers = SceneBuffers::new(device, &compiled)?;
     let frame = Frame::new(device, scene, &compiled, &buffers, settings, given.photons)?;
     let mut notes = scene.notes.clone();
