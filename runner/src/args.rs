@@ -14,9 +14,9 @@ pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
 pub use integrator::{IntegratorArguments, RadiusArgument};
 pub use photons::{DumpArgument, PhotonsArguments};
+pub use picture::{DisplayArguments, LayerArgument, TonemapArguments, layers};
 pub use plan::PlanArguments;
 pub use tradeoff::TradeoffArguments;
-pub use picture::{DisplayArguments, LayerArgument, TonemapArguments, layers};
 
 use caustic_device::{DeviceChoice, Precision};
 use caustic_photon_map::{Gather, Hash, MAX_TABLE, RADII};

@@ -5,7 +5,9 @@ use crate::args::{RadiusArgument, RenderArguments};
 use crate::progress::Monitor;
 use crate::render::{failure, settings};
 use caustic_device::Device;
-use caustic_planner::{Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, choose, explain, findings};
+use caustic_planner::{
+    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, choose, explain, findings,
+};
 use caustic_renderer::scene::{CompiledScene, Scene};
 use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderReport, Settings, Stop};
 use serde_json::{Value, json};
@@ -30,8 +32,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
     let asked = settings(arguments, &scene, None);
     asked.validate().map_err(|error| failure(&error))?;
-    let (device, line) =
-        Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
+    let (device, line) = Device::open_with(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
     if !arguments.quiet {
         eprintln!("{line}");
     }

@@ -15,7 +15,8 @@ use std::path::Path;
 
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
-    let output = arguments.output.as_deref().ok_or_else(|| Failure::input("-o FILE is missing: where to write the image"))?;
+    let output =
+        arguments.output.as_deref().ok_or_else(|| Failure::input("-o FILE is missing: where to write the image"))?;
     output::check_path(output).map_err(Failure::input)?;
     let display = arguments.display.of(output).map_err(Failure::input)?;
     if arguments.denoise && !can_denoise() {

@@ -5,8 +5,8 @@ use caustic_bench::row::Machine;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
-use std::hash::Hash;
 use std::fs::{self, File, OpenOptions};
+use std::hash::Hash;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 

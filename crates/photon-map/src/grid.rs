@@ -75,7 +75,12 @@ pub fn plan_grid(
         Hash::Auto => {
             let crowd = |hash| occupancy(low, photons, sample, possible_width(sides, wanted, &with(hash)));
             let [linear, scattered] = [Hash::Linear, Hash::Teschner].map(crowd);
-            with(if linear > CROWDED * scattered.max(OCCUPANCY) { Hash::Teschner } else { Hash::Linear })
+            if linear > CROWDED * scattered.max(OCCUPANCY) {
+                // The most entries of a linear table say nothing of one that scatters cells.
+                MapOptions { table: None, ..with(Hash::Teschner) }
+            } else {
+                with(Hash::Linear)
+            }
         }
         hash => with(hash),
     };
@@ -150,12 +155,7 @@ fn round_down(x: f64) -> f32 {
     if f64::from(rounded) > x { f32::from_bits(rounded.to_bits() - 1) } else { rounded }
 }
 
-fn table(
-    cells: [u32; 3],
-    photons: u64,
-    options: &MapOptions,
-    occupied: impl FnOnce() -> f64,
-) -> Result<u32, MapError> {
+fn table(cells: [u32; 3], photons: u64, options: &MapOptions, occupied: impl FnOnce() -> f64) -> Result<u32, MapError> {
     if options.hash == Hash::Linear {
         return Ok(cells.iter().product());
     }

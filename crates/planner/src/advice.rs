@@ -69,10 +69,7 @@ fn best_step(
             format!("--photons {photons} --caustic-photons {caustic}"),
             of(Settings { photons, caustic_photons: caustic, ..settings.clone() }, passes),
         ),
-        (
-            format!("--k {k_less}"),
-            of(Settings { k: k_less, ..settings.clone() }, passes),
-        ),
+        (format!("--k {k_less}"), of(Settings { k: k_less, ..settings.clone() }, passes)),
         (
             format!("--k {k_more} --radius {}", with_k(k_more, settings.photons)),
             of(Settings { k: k_more, ..settings.clone() }, passes),

@@ -88,7 +88,8 @@ pub fn choose(
     budget: &Budget,
     device: &Device,
 ) -> Choice {
-    let photons: Vec<u32> = (24..=54).map(|i| 2f64.powf(f64::from(i) / 2.0) as u32).filter(|&n| n <= MAX_PHOTONS).collect();
+    let photons: Vec<u32> =
+        (24..=54).map(|i| 2f64.powf(f64::from(i) / 2.0) as u32).filter(|&n| n <= MAX_PHOTONS).collect();
     let pick = |is_given: bool, value: u32, all: &[u32]| if is_given { vec![value] } else { all.to_vec() };
     let ratio = f64::from(settings.caustic_photons) / f64::from(settings.photons.max(1));
     // Memory alone: as good as it gets in the time that the settings would take without it.

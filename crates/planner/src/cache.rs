@@ -72,7 +72,8 @@ fn keep(path: &Path, of: &str, survey: &Survey) {
 fn identity(scene: &Scene, settings: &Settings, device: &Device, costs: Costs) -> String {
     let [width, height] = settings.size;
     let digest = |bytes: &[u8]| Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
-    let near = Settings { seed: 0, spp: 0, layers: Vec::new(), stop: Default::default(), health: false, ..settings.clone() };
+    let near =
+        Settings { seed: 0, spp: 0, layers: Vec::new(), stop: Default::default(), health: false, ..settings.clone() };
     format!(
         "{FORMAT} caustic {} {} exact {} threads {} {costs:?} scene {} camera {} {near:?}",
         env!("CARGO_PKG_VERSION"),
@@ -95,6 +96,7 @@ mod tests {
             emitted: [1.0, 2.0],
             stored: [0.5; 2],
             tables: [3.0; 2],
+            most_entries: 4.0,
             k: [1.0, 4.0, 16.0],
             radius: 0.1,
             setup_s: 0.25,

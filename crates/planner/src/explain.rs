@@ -25,7 +25,13 @@ impl Line {
 
 /// Explains a render of `scene`, which is `compiled` with [`Settings::forced`]. `chosen` says whether the settings were chosen for a budget.
 #[must_use]
-pub fn explain(scene: &Scene, compiled: &CompiledScene, settings: &Settings, device: &Device, chosen: bool) -> Vec<Line> {
+pub fn explain(
+    scene: &Scene,
+    compiled: &CompiledScene,
+    settings: &Settings,
+    device: &Device,
+    chosen: bool,
+) -> Vec<Line> {
     let mut lines = vec![integrator(settings)];
     let decisions = decide(compiled, settings);
     for one in &decisions {
@@ -52,7 +58,8 @@ pub fn explain(scene: &Scene, compiled: &CompiledScene, settings: &Settings, dev
         lines.push(hash(settings));
         lines.push(gather(settings, device));
         let radius = if settings.automatic_radius { "auto".to_string() } else { format!("{} m", settings.radius) };
-        let of_radius = source(settings.radius == usual.radius && !settings.automatic_radius, defaults.radius.is_some());
+        let of_radius =
+            source(settings.radius == usual.radius && !settings.automatic_radius, defaults.radius.is_some());
         let why = match settings.integrator {
             Integrator::Progressive => format!("{of_radius}; of the first pass, and those after it shrink"),
             _ => format!("{of_radius}; reached only where fewer than k photons are nearer"),
@@ -92,7 +99,9 @@ fn integrator(settings: &Settings) -> Line {
 
 fn hash(settings: &Settings) -> Line {
     let why = match settings.hash {
-        Hash::Auto => "linear, unless its table of at most 2^24 entries has cells too wide for how the photons crowd; then teschner",
+        Hash::Auto => {
+            "linear, unless its table of at most 2^24 entries has cells too wide for how the photons crowd; then teschner"
+        }
         Hash::Linear => "asked for: no collisions, a table as large as the grid",
         Hash::Teschner => "asked for: a table by occupied cells, for any extent",
         Hash::Morton => "asked for: neighbouring cells lie near in memory",
@@ -130,5 +139,9 @@ fn passes(settings: &Settings, chosen: bool) -> Line {
         };
         return Line::new("passes", passes, why);
     }
-    Line::new("passes", format!("until {}", until.join(" or ")), if chosen { "chosen for the budget" } else { "asked for" })
+    Line::new(
+        "passes",
+        format!("until {}", until.join(" or ")),
+        if chosen { "chosen for the budget" } else { "asked for" },
+    )
 }

@@ -4,9 +4,9 @@
 //! time, memory, noise and bias of a large one, and [`choose`] finds the settings that a [`Budget`] asks for. [`tradeoff`] measures what
 //! [`choose`] relies on, over all knobs.
 
-pub mod cache;
 mod advice;
 mod budget;
+pub mod cache;
 mod explain;
 mod pilot;
 mod predict;

@@ -1,14 +1,11 @@
 //! From a survey to the time, memory, noise and bias of a render.
 
-use crate::survey::Survey;
+use crate::survey::{Survey, full_table};
 use caustic_device::Device;
 use caustic_photon_map::Hash;
 use caustic_renderer::scene::CompiledScene;
 use caustic_renderer::{ExpectedMap, Feature, Integrator, Settings, decide, peak_bytes};
 use serde::Serialize;
-
-/// Most entries of a linear table: `photon-map` makes cells wider rather than have more.
-const MAX_CELLS: f64 = 16_777_216.0;
 
 /// What a render is expected to take and to be.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -56,7 +53,9 @@ impl Survey {
         let maps = self.maps(scene, settings);
         let samples = f64::from(settings.size[0]) * f64::from(settings.size[1]) * f64::from(settings.spp);
         let fixed = self.image_s
-            + (0..2).map(|of| if maps[of].emitted > 0.0 { self.photons[of].of(maps[of].emitted) } else { 0.0 }).sum::<f64>()
+            + (0..2)
+                .map(|of| if maps[of].emitted > 0.0 { self.photons[of].of(maps[of].emitted) } else { 0.0 })
+                .sum::<f64>()
             + self.entry_s * (maps[0].table + maps[1].table);
         let k = f64::from(settings.k);
         // Photons in a disc beside those in one of the survey, where all have as many to choose from.
@@ -105,9 +104,13 @@ impl Survey {
             return 0.0;
         }
         let more = emitted / self.emitted[i];
-        let most = settings.table.map_or(MAX_CELLS, f64::from);
         match settings.hash {
-            Hash::Linear | Hash::Auto => (self.tables[i] * more.powf(1.5)).min(most),
+            Hash::Linear | Hash::Auto => {
+                // A table that has nearly all it may have has been held back.
+                let held_back = self.tables[i] > 0.6 * self.most_entries;
+                let entries = if held_back { self.most_entries } else { self.tables[i] };
+                (entries * more.powf(1.5)).min(full_table(settings))
+            }
             _ => settings.table.map_or(self.tables[i] * more, f64::from),
         }
     }
@@ -181,6 +184,7 @@ mod tests {
             emitted: [1e4, 0.0],
             stored: [1.0, 0.0],
             tables: [1e3, 0.0],
+            most_entries: 1e6,
             k: [10.0, 40.0, 160.0],
             radius: 0.1,
             setup_s: 0.5,

@@ -6,7 +6,7 @@
 
 use crate::pilot::{Pilot, pilot};
 use caustic_device::Device;
-use caustic_photon_map::{MAX_K, RADII};
+use caustic_photon_map::{Hash, MAX_K, RADII};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_SIDE;
 use caustic_renderer::{RenderError, Settings};
@@ -64,6 +64,8 @@ pub struct Survey {
     pub stored: [f64; 2],
     /// Entries of the maps' tables.
     pub tables: [f64; 2],
+    /// Most entries that they were allowed.
+    pub most_entries: f64,
     /// The three numbers of photons in a disc.
     pub k: [f64; 3],
     /// Largest radius of the middle one, m.
@@ -111,12 +113,17 @@ impl Survey {
             small.radius = within(f64::from(settings.radius) * wider);
         }
         small.automatic_radius = false;
+        // Cells that are as wide beside a disc: the full tables' limit, of cells as many times wider along three axes.
+        let cells = |shrunk: f64| Some((full_table(settings) / shrunk.powf(1.5)).clamp(1.0, MAX_CELLS) as u32);
+        let scatters = settings.hash != Hash::Auto && settings.hash != Hash::Linear;
+        small.table = if scatters { settings.table } else { cells(shrunk) };
         let tiny = {
             let scale = |photons: u32| (f64::from(photons) / TINY).ceil() as u32;
             let size = small.size.map(|side| ((f64::from(side) / TINY.sqrt()) as u32).max(1));
             let radius = within(f64::from(small.radius) * TINY.sqrt());
             let (photons, caustic_photons) = (scale(small.photons).max(1), scale(small.caustic_photons));
-            Settings { photons, caustic_photons, size, radius, ..small.clone() }
+            let table = if scatters { settings.table } else { cells(shrunk * TINY) };
+            Settings { photons, caustic_photons, size, radius, table, ..small.clone() }
         };
         // The first one waits for the driver to compile, and for memory.
         pilot(scene, &Settings { seed: SEEDS[0], ..tiny.clone() }, device, costs, go_on)?;
@@ -131,6 +138,14 @@ impl Survey {
         }
         Ok(conclude(&few, &pilots, [&tiny, &small], discs))
     }
+}
+
+/// Most entries of a linear table: `photon-map` makes cells wider rather than have more.
+const MAX_CELLS: f64 = 16_777_216.0;
+
+/// Most entries of a table of a render.
+pub(crate) fn full_table(settings: &Settings) -> f64 {
+    settings.table.map_or(MAX_CELLS, f64::from)
 }
 
 /// The settings of the small renders.
@@ -205,6 +220,7 @@ fn conclude(few: &Pilot, pilots: &[[Pilot; 2]], [tiny, small]: [&Settings; 2], d
         emitted: maps.map(|map| map[0]),
         stored: maps.map(|[emitted, stored, _]| if emitted > 0.0 { stored / emitted } else { 0.0 }),
         tables: maps.map(|map| map[2]),
+        most_entries: full_table(small),
         k: discs.map(f64::from),
         radius: f64::from(small.radius),
         setup_s: middle(&|pilot| pilot.setup_s),
@@ -250,12 +266,12 @@ fn blurs(pilots: &[[Pilot; 2]]) -> [f64; 2] {
     let mut blur = [0.0; 2];
     for i in 0..values {
         let weight = 1.0 / scale(pilots, i) / values as f64;
-        for step in 0..2 {
+        for (step, blur) in blur.iter_mut().enumerate() {
             let difference = |seed: usize| {
                 let part = |disc: usize| f64::from(pilots[disc][seed].indirect.as_flattened()[i]);
                 part(step + 1) - part(step)
             };
-            blur[step] += difference(0) * difference(1) * weight;
+            *blur += difference(0) * difference(1) * weight;
         }
     }
     blur

@@ -1,6 +1,7 @@
 //! How much memory a render takes, from what it is going to allocate.
 
 use crate::frame::{CPU_SAMPLES, GPU_SAMPLES};
+use crate::output::LayerKind;
 use crate::photons::CHUNK;
 use crate::scene::CompiledScene;
 use crate::{Integrator, Settings};
@@ -64,6 +65,7 @@ pub fn peak_bytes(scene: &CompiledScene, settings: &Settings, maps: [ExpectedMap
         let filtered = settings.filter != Filter::Constant || settings.estimate().needs_sides();
         let search = 16.0 + if filtered { size::<Reach>() } else { 0.0 };
         each += size::<Irradiance>();
+        each += if settings.layers.contains(&LayerKind::Radius) { 16.0 + size::<Reach>() } else { 0.0 };
         each += if gathered > 0.0 {
             gathered * (search + size::<(Query, Vertex)>() + size::<Irradiance>())
         } else {

@@ -11,9 +11,7 @@ use caustic_device::{Buffer, Device, Plan};
 use caustic_kernels::grid::HASH_LINEAR;
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{
-    FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally,
-};
+use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally};
 use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.

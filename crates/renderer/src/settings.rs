@@ -1,9 +1,9 @@
 //! What a user can choose.
 
-use crate::{Feature, RenderError};
 use crate::output::LayerKind;
 use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
+use crate::{Feature, RenderError};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS};
 use caustic_photon_map::{Estimate, Filter, Gather, Hash, MAX_TABLE, RADII, Surface};
 

@@ -4,7 +4,7 @@ use caustic_device::Precision;
 use caustic_photon_map::{Filter, Gather, Hash, MAX_K, Surface};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_PHOTONS;
-use caustic_renderer::{Integrator, Settings, Stop};
+use caustic_renderer::{Feature, Integrator, Settings, Stop, decide};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -135,7 +135,11 @@ pub fn points(scene: &Scene, quick: bool, gpu: bool) -> Vec<Point> {
         let k = ((f64::from(base.k) * factor.sqrt()) as u32).clamp(4, MAX_K);
         let radius = (f64::from(base.radius) / factor.sqrt().sqrt()) as f32;
         let (photons, caustic_photons) = (times(base.photons, *factor), of(base.caustic_photons));
-        add("photons and k", format!("{photons}, {k}"), Settings { photons, caustic_photons, k, radius, ..base.clone() });
+        add(
+            "photons and k",
+            format!("{photons}, {k}"),
+            Settings { photons, caustic_photons, k, radius, ..base.clone() },
+        );
     }
     for factor in [0.25, 0.5, 2.0] {
         let radius = base.radius * factor;
@@ -177,6 +181,11 @@ pub fn points(scene: &Scene, quick: bool, gpu: bool) -> Vec<Point> {
         add("paths", spp.to_string(), paths);
     }
     add("final gather", "8".to_string(), Settings { final_gather: 8, ..base.clone() });
+    // Without photon maps, only what is not about them differs.
+    let maps = [Feature::GlobalMap, Feature::CausticMap];
+    if !decide(&scene.compile(), &base).iter().any(|one| one.modelled && maps.contains(&one.feature)) {
+        points.retain(|point| ["scene's own", "samples", "paths"].contains(&point.knob));
+    }
     if gpu {
         points.push(Point { knob: "precision", value: "fast".to_string(), settings: base, precision: Precision::Fast });
     }

@@ -48,10 +48,10 @@ pub fn reference(
     let settings = settings(scene, quick);
     let identity = format!("caustic {} {} {settings:?}\n", env!("CARGO_PKG_VERSION"), scene.compile().sha256());
     let (picture, beside) = (folder.join("reference.exr"), folder.join("reference.txt"));
-    if std::fs::read_to_string(&beside).is_ok_and(|text| text == identity) {
-        if let Ok(image) = Image::read(&picture) {
-            return sized(image, "the kept one");
-        }
+    if std::fs::read_to_string(&beside).is_ok_and(|text| text == identity)
+        && let Ok(image) = Image::read(&picture)
+    {
+        return sized(image, "the kept one");
     }
     let rendered = render_on(scene, &settings, device, Given::default(), progress, &mut |_| Ok(()));
     let rendered = rendered.map_err(|error| match error {

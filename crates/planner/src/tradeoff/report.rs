@@ -1,8 +1,8 @@
 //! What a sweep shows: a page, a table for programs, and plots.
 
+use super::Store;
 use super::front::{Front, front};
 use super::point::{Case, Point};
-use super::Store;
 use caustic_experiments::figure::{Axis, Chart, Line, Table};
 use caustic_experiments::report::{STYLE, escaped, table};
 use caustic_experiments::store::Outcome;
