@@ -7,6 +7,8 @@ mod integrator;
 mod merge;
 mod photons;
 mod picture;
+mod plan;
+mod tradeoff;
 
 pub use bench::BenchArguments;
 pub use compare::{CompareArguments, MetricArgument, Threshold};
@@ -15,9 +17,11 @@ pub use integrator::{IntegratorArguments, RadiusArgument};
 pub use merge::MergeArguments;
 pub use photons::{DumpArgument, PhotonsArguments};
 pub use picture::{DisplayArguments, LayerArgument, TonemapArguments, layers};
+pub use plan::{CostsArgument, PlanArguments};
+pub use tradeoff::TradeoffArguments;
 
 use caustic_device::{DeviceChoice, DeviceChoices, Precision};
-use caustic_photon_map::{Gather, Hash, RADII};
+use caustic_photon_map::{Gather, Hash, MAX_TABLE, RADII};
 use caustic_renderer::Show;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -36,6 +40,8 @@ use std::path::PathBuf;
         caustic render cornell -o box.exr --integrator progressive --surface own --time 60\n  \
         caustic render cornell -o box.exr --integrator path --spp 16 --passes 1000 --checkpoint box.state\n  \
         caustic render my_scene.toml -o picture.png --tone-map agx --device cpu\n  \
+        caustic plan cornell --quality final\n  \
+        caustic tradeoff cornell -o tradeoff --quick\n  \
         caustic photons cornell -o cornell.caustic\n  \
         caustic map --photons uniform:1000000 --queries 300000 --k 50\n  \
         caustic compare picture.png reference.png --metric flip --threshold 0.05 --diff error.png\n  \
@@ -57,6 +63,11 @@ pub enum Command {
     Render(Box<RenderArguments>),
     /// Merges the parts of a render (`render --part I/N`) into the image that one process would have made.
     Merge(MergeArguments),
+    /// Says what a render of a scene would model and why, and predicts its time, memory, noise and bias; takes the arguments of `render`.
+    #[command(mut_arg("output", |output| output.required(false).hide(true)))]
+    Plan(Box<RenderArguments>),
+    /// Sweeps the settings of a scene and says which are worth having: time, memory and errors against a reference, and the Pareto front.
+    Tradeoff(TradeoffArguments),
     /// Saves the photons of a scene for later renders, or tells of saved ones: statistics, CSV, point cloud.
     Photons(PhotonsArguments),
     /// Makes a PNG of a linear picture, with an exposure and a tone curve; or another linear format.
@@ -148,8 +159,8 @@ pub struct RenderArguments {
     /// A built-in scene (see `caustic scene list`) a scene file (docs/scene-format.md) or a model (.ply, .obj, .gltf, .glb).
     pub scene: String,
     /// The image: .png (sRGB, 8 bits), .exr (linear, 32-bit float, with the settings as metadata) or .hdr (linear, 8 bits and an exponent).
-    #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    #[arg(short, long, value_name = "FILE", required = true)]
+    pub output: Option<PathBuf>,
     /// Size of the image in pixels.
     #[arg(long, value_name = "WxH", value_parser = size, allow_hyphen_values = true)]
     pub size: Option<[u32; 2]>,
@@ -172,6 +183,9 @@ pub struct RenderArguments {
     /// Hash function of the photon maps: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
     pub hash: HashArgument,
+    /// Most entries of a map's table: fewer build faster, take less memory and are searched more slowly. The image does not depend on it.
+    #[arg(long, value_name = "N", value_parser = table, allow_negative_numbers = true)]
+    pub table: Option<u32>,
     /// How the nearest photons are found: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
     pub gather: GatherArgument,
@@ -193,6 +207,8 @@ pub struct RenderArguments {
     pub show: ShowArgument,
     #[command(flatten)]
     pub how: IntegratorArguments,
+    #[command(flatten)]
+    pub plan: PlanArguments,
     /// Layers of an EXR beside the picture; several with commas between them.
     #[arg(long, value_enum, value_name = "LAYERS", value_delimiter = ',')]
     pub aov: Vec<LayerArgument>,
@@ -250,8 +266,10 @@ pub struct MapArguments {
 
 #[derive(Clone, Copy, Default, ValueEnum)]
 pub enum HashArgument {
-    /// Cell numbers: no collisions, a table as large as the grid.
+    /// Linear, unless its table is too small for how the photons crowd; then Teschner.
     #[default]
+    Auto,
+    /// Cell numbers: no collisions, a table as large as the grid.
     Linear,
     /// Teschner et al.: any extent of the scene.
     Teschner,
@@ -262,6 +280,7 @@ pub enum HashArgument {
 impl From<HashArgument> for Hash {
     fn from(hash: HashArgument) -> Self {
         match hash {
+            HashArgument::Auto => Self::Auto,
             HashArgument::Linear => Self::Linear,
             HashArgument::Teschner => Self::Teschner,
             HashArgument::Morton => Self::Morton,
@@ -358,6 +377,11 @@ impl From<ShowArgument> for Show {
             ShowArgument::MapCaustic => Self::MapCaustic,
         }
     }
+}
+
+fn table(text: &str) -> Result<u32, String> {
+    let number = whole(1, MAX_TABLE)(text)?;
+    if number.is_power_of_two() { Ok(number) } else { Err("it must be a power of two".to_string()) }
 }
 
 fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {

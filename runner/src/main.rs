@@ -9,12 +9,14 @@ mod info;
 mod map;
 mod merge;
 mod photons;
+mod plan;
 mod progress;
 mod ranks;
 mod render;
 mod scene;
 mod starter;
 mod tonemap;
+mod tradeoff;
 mod verify;
 
 use args::{Arguments, Command};
@@ -89,6 +91,12 @@ impl Failure {
         Self { code: 130, message }
     }
 
+    /// The user stopped a sweep: exit code 130.
+    pub fn interrupted_sweep(points: usize) -> Self {
+        let message = format!("interrupted; {points} points were finished, and the same command goes on from there");
+        Self { code: 130, message }
+    }
+
     /// The user stopped the program and what there was is in the file: exit code 130.
     pub fn interrupted(output: &std::path::Path, passes: u32) -> Self {
         let output = output.display();
@@ -117,6 +125,8 @@ fn main() -> ExitCode {
     let result = match arguments.command.unwrap_or_default() {
         Command::Render(arguments) => render::run(&arguments),
         Command::Merge(arguments) => merge::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::Tradeoff(arguments) => tradeoff::run(&arguments),
         Command::Photons(arguments) => photons::run(&arguments),
         Command::Tonemap(arguments) => tonemap::run(&arguments),
         Command::Map(arguments) => map::run(&arguments),

@@ -2,6 +2,7 @@
 
 use crate::Failure;
 use crate::args::{RadiusArgument, RenderArguments, layers};
+use crate::plan::{Planned, differs_between_machines};
 use crate::progress::Monitor;
 use crate::ranks::Ranks;
 use caustic_device::{Device, Error as DeviceError, Precision};
@@ -17,10 +18,10 @@ use std::path::Path;
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let Some(mut ranks) = Ranks::join()? else {
-        return prepare(arguments).and_then(|job| render(arguments, &job, None));
+        return prepare(arguments, false).and_then(|job| render(arguments, &job, None));
     };
-    let mut job = prepare(arguments);
-    let ready = job.as_ref().ok().map(|job| digest(&job.scene, &job.settings, job.devices[0].is_exact()));
+    let mut job = prepare(arguments, true);
+    let ready = job.as_ref().ok().map(|job| digest(&job.scene, job.settings(), job.devices[0].is_exact()));
     let agreed = ranks.agree(ready);
     let root = ranks.is_root();
     if let (Err(failure), true) = (&agreed, job.is_ok()) {
@@ -31,7 +32,7 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     let own = ranks.device(job.devices.len());
     job.devices = vec![job.devices.swap_remove(own)];
     if !root {
-        return ranks.help(&job.scene, &job.settings, &job.devices[0], job.file.as_ref()).map_err(|e| failure(&e));
+        return ranks.help(&job.scene, job.settings(), &job.devices[0], job.file.as_ref()).map_err(|e| failure(&e));
     }
     let result = render(arguments, job, Some(&mut ranks));
     if let Err(failure) = result {
@@ -42,17 +43,32 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
 }
 
 /// What a render needs, checked.
-struct Job {
+struct Job<'a> {
+    output: &'a Path,
     scene: Scene,
     file: Option<PhotonFile>,
-    settings: Settings,
+    planned: Planned,
     devices: Vec<Device>,
     /// What they are, a line each.
     lines: Vec<String>,
 }
 
-fn prepare(arguments: &RenderArguments) -> Result<Job, Failure> {
-    check_output(arguments)?;
+impl Job<'_> {
+    fn settings(&self) -> &Settings {
+        &self.planned.settings
+    }
+}
+
+/// Checks everything and plans. `shared`: other processes, which must plan the same, render with this one.
+fn prepare(arguments: &RenderArguments, shared: bool) -> Result<Job<'_>, Failure> {
+    let output =
+        arguments.output.as_deref().ok_or_else(|| Failure::input("-o FILE is missing: where to write the image"))?;
+    check_output(arguments, output)?;
+    if (shared || arguments.how.part.is_some()) && differs_between_machines(arguments) {
+        return Err(Failure::input(
+            "settings chosen for a budget differ between machines and moments, and all that share a render need the same; add --costs built-in, or the settings that `caustic plan` prints",
+        ));
+    }
     if arguments.denoise && !can_denoise() {
         return Err(Failure::input(OutputError::NoDenoiser));
     }
@@ -64,14 +80,17 @@ fn prepare(arguments: &RenderArguments) -> Result<Job, Failure> {
     }
     settings.validate().map_err(|error| failure(&error))?;
     let opened = Device::open_several(&arguments.device, arguments.precision.into()).map_err(Failure::input)?;
-    let (devices, lines) = opened.into_iter().unzip();
-    Ok(Job { scene, file, settings, devices, lines })
+    let (devices, lines): (Vec<Device>, _) = opened.into_iter().unzip();
+    let mut monitor = Monitor::new(arguments.quiet);
+    let planned = Planned::new(arguments, &scene, settings, &devices[0], &mut monitor)?;
+    Ok(Job { output, scene, file, planned, devices, lines })
 }
 
 fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> Result<(), Failure> {
-    let Job { scene, file, settings, devices, lines } = job;
+    let Job { output, scene, file, planned, devices, lines } = job;
+    let settings = job.settings();
     let how = &arguments.how;
-    let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
+    let display = arguments.display.of(output).map_err(Failure::input)?;
     let asked = layers(&arguments.aov);
     if !arguments.quiet {
         lines.iter().for_each(|line| eprintln!("{line}"));
@@ -80,6 +99,9 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
     let mut monitor = Monitor::new(arguments.quiet);
     let exact = devices[0].is_exact();
     let precision = if exact { Precision::Exact } else { Precision::Fast };
+    if !arguments.quiet {
+        planned.tell(arguments.plan.explain);
+    }
     let metadata = |passes: u32| Metadata {
         version: env!("CARGO_PKG_VERSION").to_string(),
         scene: scene.name.clone(),
@@ -87,6 +109,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
         settings: describe(settings, precision, passes),
     };
     let checkpoint = how.checkpoint.as_ref().map(|path| Checkpoint::new(path, scene, settings, exact));
+    let alone = ranks.is_none() && how.part.is_none();
     let remote = ranks.map(|ranks| ranks as &mut dyn Remote);
     let mut given = Given { photons: file.as_ref(), part: how.part, remote, passes: None };
     if let Some(checkpoint) = &checkpoint {
@@ -106,7 +129,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
         let wanted = passes.is_power_of_two() && passes > shown && how.part.is_none();
         if wanted && settings.stop.passes != Some(passes) && !single(settings) {
             shown = passes;
-            let written = output::write_with(&arguments.output, &state.image(), &metadata(passes), &plain);
+            let written = output::write_with(output, &state.image(), &metadata(passes), &plain);
             written.map_err(|error| kept(&error))?;
         }
         Ok(())
@@ -121,7 +144,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
         }
         let passes = settings.passes().unwrap_or_default();
         let about = About { part, passes, layers: asked, metadata: metadata.clone() };
-        write_part(&arguments.output, scene, settings, exact, &about, &rendered.state).map_err(Failure::machine)?;
+        write_part(output, scene, settings, exact, &about, &rendered.state).map_err(Failure::machine)?;
     } else {
         if arguments.denoise {
             rendered.image = output::denoise(&rendered.image, &rendered.layers).map_err(Failure::machine)?;
@@ -129,26 +152,31 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
         }
         rendered.layers.retain(|layer| asked.contains(&layer.kind));
         let extras = Extras { layers: &rendered.layers, ..plain };
-        output::write_with(&arguments.output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
+        output::write_with(output, &rendered.image, &metadata, &extras).map_err(Failure::machine)?;
     }
     if !arguments.quiet {
-        tell(&rendered.report, &arguments.output);
+        tell(&rendered.report, output);
+        // What is foreseen is the work of one device.
+        if let ([device], true) = (&devices[..], alone) {
+            planned.compare(&rendered.report, device);
+        }
     }
     if arguments.json {
         let mut value = serde_json::to_value(&rendered.report).map_err(Failure::machine)?;
-        value["output"] = arguments.output.display().to_string().into();
+        value["output"] = output.display().to_string().into();
         value["scene"] = scene.name.clone().into();
         value["seed"] = settings.seed.into();
+        value["plan"] = planned.json();
         value["settings"] = metadata.settings.into_iter().collect();
         println!("{value:#}");
     }
     if !rendered.report.complete {
-        return Err(Failure::interrupted(&arguments.output, rendered.report.passes));
+        return Err(Failure::interrupted(output, rendered.report.passes));
     }
     match rendered.report.problems.first() {
         Some(problem) if arguments.strict => Err(Failure::machine(format!(
             "{} is written, but --strict was asked for and the render has {} problems, the first: {problem}",
-            arguments.output.display(),
+            output.display(),
             rendered.report.problems.len()
         ))),
         _ => Ok(()),
@@ -156,8 +184,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
 }
 
 /// Checks that the output can be what it is asked to be, where it is asked to be.
-fn check_output(arguments: &RenderArguments) -> Result<(), Failure> {
-    let path = &arguments.output;
+fn check_output(arguments: &RenderArguments, path: &Path) -> Result<(), Failure> {
     if arguments.how.part.is_some() {
         if path.extension().is_none_or(|ending| ending != "caustic") {
             return Err(Failure::input(format!(
@@ -170,13 +197,13 @@ fn check_output(arguments: &RenderArguments) -> Result<(), Failure> {
     output::check_path(path).map_err(Failure::input)?;
     arguments.display.of(path).map_err(Failure::input)?;
     match layers(&arguments.aov).first().filter(|_| Format::of(path) != Ok(Format::Exr)) {
-        Some(layer) => Err(Failure::input(OutputError::NoLayers { path: path.clone(), layer: layer.name() })),
+        Some(layer) => Err(Failure::input(OutputError::NoLayers { path: path.to_path_buf(), layer: layer.name() })),
         None => Ok(()),
     }
 }
 
 /// The settings of the scene, with those of the command line in their place where given.
-fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile>) -> Settings {
+pub fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile>) -> Settings {
     let defaults = Settings::of(scene);
     Settings {
         size: arguments.size.unwrap_or(defaults.size),
@@ -192,6 +219,7 @@ fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile
         },
         automatic_radius: matches!(arguments.radius, Some(RadiusArgument::Auto)),
         hash: arguments.hash.into(),
+        table: arguments.table,
         gather: arguments.gather.into(),
         spp: arguments.spp.unwrap_or(defaults.spp),
         seed: arguments.seed.or(file.map(|file| file.header.seed)).unwrap_or_default(),
@@ -203,6 +231,7 @@ fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile
         final_gather: arguments.how.final_gather,
         stop: arguments.how.stop(),
         layers: wanted_layers(arguments),
+        forced: arguments.plan.force.iter().map(|&feature| feature.into()).collect(),
         health: arguments.json,
     }
 }

@@ -2,9 +2,11 @@
 
 use crate::case::Case;
 use caustic_bench::row::Machine;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File, OpenOptions};
+use std::hash::Hash;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -38,26 +40,34 @@ pub struct Header {
 
 /// A line.
 #[derive(Serialize, Deserialize)]
-struct Line {
-    case: Case,
+struct Line<C> {
+    case: C,
     outcome: Outcome,
     /// SHA-256 of what was found, where something was.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     found: Option<String>,
 }
 
-/// Results in a file.
-pub struct Store {
+/// What results are kept by.
+pub trait Key: Clone + Eq + Hash + Serialize + DeserializeOwned {}
+
+impl<C: Clone + Eq + Hash + Serialize + DeserializeOwned> Key for C {}
+
+/// The results of the thesis's experiments.
+pub type Store = StoreOf<Case>;
+
+/// Results in a file, by cases of any kind.
+pub struct StoreOf<C> {
     path: PathBuf,
     file: Option<File>,
     /// Where and how they were measured.
     pub header: Header,
-    outcomes: HashMap<Case, Outcome>,
-    found: HashMap<Case, String>,
-    order: Vec<Case>,
+    outcomes: HashMap<C, Outcome>,
+    found: HashMap<C, String>,
+    order: Vec<C>,
 }
 
-impl Store {
+impl<C: Key> StoreOf<C> {
     /// Opens the results in `folder`, or begins them.
     ///
     /// # Errors
@@ -132,7 +142,7 @@ impl Store {
         Self { path, file: None, header, outcomes: HashMap::new(), found: HashMap::new(), order: Vec::new() }
     }
 
-    fn insert(&mut self, case: Case, outcome: Outcome, found: Option<String>) {
+    fn insert(&mut self, case: C, outcome: Outcome, found: Option<String>) {
         if let Some(found) = found {
             self.found.insert(case.clone(), found);
         }
@@ -154,7 +164,7 @@ impl Store {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn add(&mut self, case: &Case, outcome: Outcome, found: Option<String>) -> Result<(), String> {
+    pub fn add(&mut self, case: &C, outcome: Outcome, found: Option<String>) -> Result<(), String> {
         let text = line_of(&Line { case: case.clone(), outcome: outcome.clone(), found: found.clone() })?;
         if let Some(file) = &mut self.file {
             file.write_all(text.as_bytes())
@@ -167,13 +177,13 @@ impl Store {
 
     /// What came of a case.
     #[must_use]
-    pub fn outcome(&self, case: &Case) -> Option<&Outcome> {
+    pub fn outcome(&self, case: &C) -> Option<&Outcome> {
         self.outcomes.get(case)
     }
 
     /// A number of a case.
     #[must_use]
-    pub fn value(&self, case: &Case, name: &str) -> Option<f64> {
+    pub fn value(&self, case: &C, name: &str) -> Option<f64> {
         match self.outcome(case)? {
             Outcome::Values(values) => values.get(name).copied(),
             Outcome::Skipped(_) => None,
@@ -182,12 +192,12 @@ impl Store {
 
     /// SHA-256 of what a case found.
     #[must_use]
-    pub fn found(&self, case: &Case) -> Option<&str> {
+    pub fn found(&self, case: &C) -> Option<&str> {
         self.found.get(case).map(String::as_str)
     }
 
     /// All cases, in the order in which they were measured.
-    pub fn cases(&self) -> impl Iterator<Item = (&Case, &Outcome)> {
+    pub fn cases(&self) -> impl Iterator<Item = (&C, &Outcome)> {
         self.order.iter().map(|case| (case, &self.outcomes[case]))
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::SQRT_2;
 
 /// Photons that a photon's cell should hold, its own included, on average over all photons: where fewer, a search visits more
 /// rows than it saves candidates, and where more, the other way round (measured on an H100: ARCHITECTURE.md).
-const OCCUPANCY: f64 = 5.0;
+pub(crate) const OCCUPANCY: f64 = 5.0;
 /// Most positions that are looked at.
 const SAMPLE: usize = 4096;
 /// Pairs in one cell below which chance decides: 1/√64 is 12 %.
@@ -65,6 +65,35 @@ pub(crate) fn cell_width(
     // Photons fill lines, surfaces or space.
     let slope = if before.0 > width { (before.1 / pairs).ln() / (before.0 / width).ln() } else { 3.0 };
     width * (OCCUPANCY / occupancy(pairs)).powf(1.0 / slope.clamp(1.0, 3.0))
+}
+
+/// Photons that a photon's cell holds on average over all photons, its own left out, if cells are `width` m wide; 0 where chance decides.
+pub(crate) fn occupancy(low: [f32; 3], photons: u64, sample: &[[f32; 3]], width: f64) -> f64 {
+    let counts = cell_counts(low, sample, width);
+    let pairs: f64 = counts.iter().map(|&count| f64::from(count) * f64::from(count - 1) / 2.0).sum();
+    let all_pairs = sample.len() as f64 * (sample.len() as f64 - 1.0) / 2.0;
+    if pairs < PAIRS { 0.0 } else { pairs / all_pairs * photons as f64 }
+}
+
+/// Estimate of how many cells of `width` m the photons lie in, from how many cells have one and two of the sample: Chao's lower bound
+/// (Chao, "Nonparametric Estimation of the Number of Classes in a Population", 1984, bias-corrected).
+pub(crate) fn occupied_cells(low: [f32; 3], photons: u64, sample: &[[f32; 3]], width: f64) -> f64 {
+    let counts = cell_counts(low, sample, width);
+    let with = |n: u32| counts.iter().filter(|&&count| count == n).count() as f64;
+    let (ones, twos) = (with(1), with(2));
+    let unseen = ones * (ones - 1.0) / (2.0 * (twos + 1.0));
+    // No more cells than photons, and no fewer than were seen; without a sample, a cell for each.
+    if sample.is_empty() { photons as f64 } else { (counts.len() as f64 + unseen).min(photons as f64) }
+}
+
+/// Positions of the sample in each cell that has any.
+fn cell_counts(low: [f32; 3], sample: &[[f32; 3]], width: f64) -> Vec<u32> {
+    let cell = |position: &[f32; 3]| -> [u64; 3] {
+        std::array::from_fn(|axis| ((f64::from(position[axis]) - f64::from(low[axis])) / width) as u64)
+    };
+    let mut cells: Vec<_> = sample.iter().map(cell).collect();
+    cells.sort_unstable();
+    cells.chunk_by(|a, b| a == b).map(|cell| cell.len() as u32).collect()
 }
 
 /// Halvings of a width: below a millionth of the longest side, where it ends.
@@ -148,6 +177,26 @@ mod tests {
             let found = 2.0 * pairs_in_cells(&whole, width) / f64::from(n);
             assert!((3.0..8.0).contains(&found), "{name}, {n}: {found} a cell {width} wide");
         }
+    }
+
+    /// Photons evenly on the faces of a cube, from 4096 of which the cells of all of them are estimated.
+    #[test]
+    fn occupied_cells_are_estimated_from_few() {
+        let photons = 500_000;
+        let on_cube = |i: u32| {
+            let random = pcg4d([i, 8, 9, 10]);
+            let mut position = [random[0], random[1], random[2]].map(|x| x as f32 / 4_294_967_296.0);
+            position[random[3] as usize % 3] = (random[3] >> 31) as f32;
+            position
+        };
+        let positions: Vec<_> = (0..photons).map(on_cube).collect();
+        for width in [0.1, 0.01, 0.004] {
+            let cells = cell_counts([0.0; 3], &positions, width).len() as f64;
+            let estimate = occupied_cells([0.0; 3], photons.into(), &positions[..4096], width);
+            assert!((0.6..1.6).contains(&(estimate / cells)), "{estimate} of {cells} cells {width} wide");
+        }
+        assert_eq!(occupied_cells([0.0; 3], 100, &[[0.0; 3]; 50], 0.1), 1.0);
+        assert_eq!(occupied_cells([0.0; 3], 100, &[], 0.1), 100.0);
     }
 
     #[test]

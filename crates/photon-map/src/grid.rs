@@ -1,6 +1,6 @@
 //! The grid over a bounding box: its origin, its cells and its table.
 
-use crate::crowding::cell_width;
+use crate::crowding::{OCCUPANCY, cell_width, occupancy, occupied_cells};
 use crate::{Hash, MapError, MapOptions};
 use caustic_kernels::grid::{Grid, MAX_CELLS_PER_AXIS, MAX_REACH, Row};
 use caustic_kernels::num::{floor_to_i32, is_finite};
@@ -11,6 +11,8 @@ pub const MAX_TABLE: u32 = 1 << 27;
 const MAX_EXTENT: f64 = 1e37;
 /// Most cells of a linear hash: three passes of the sort.
 const MAX_CELLS: u32 = 1 << 24;
+/// How much fuller than those of a Teschner hash the cells of a linear one may be, as photons see it, before the former is faster.
+const CROWDED: f64 = 8.0;
 /// Most cells to a radius.
 const MOST_REACH: f64 = 32.0;
 /// Radii that a map can have, m: where squared distances are far above those that count as none, and finite.
@@ -68,6 +70,20 @@ pub fn plan_grid(
         return Err(MapError::Extent { extent, max: MAX_EXTENT });
     }
     let wanted = options.cell.map_or_else(|| cell_width(low, sides, photons, sample, options), f64::from);
+    let with = |hash| MapOptions { hash, ..*options };
+    let options = &match options.hash {
+        Hash::Auto => {
+            let crowd = |hash| occupancy(low, photons, sample, possible_width(sides, wanted, &with(hash)));
+            let [linear, scattered] = [Hash::Linear, Hash::Teschner].map(crowd);
+            if linear > CROWDED * scattered.max(OCCUPANCY) {
+                // The most entries of a linear table say nothing of one that scatters cells.
+                MapOptions { table: None, ..with(Hash::Teschner) }
+            } else {
+                with(Hash::Linear)
+            }
+        }
+        hash => with(hash),
+    };
     let width = possible_width(sides, wanted, options);
     // (x − origin)·s has a relative error of 2⁻²³ at most, hence an absolute one of inner·2⁻²³ cells, for each of two points.
     let inner = extent / width + 1.0;
@@ -82,7 +98,7 @@ pub fn plan_grid(
         inverse_cell,
         cells,
         hash: options.hash.code(),
-        table: table(cells, photons, options)?,
+        table: table(cells, photons, options, || occupied_cells(low, photons, sample, width))?,
         photons: photons as u32,
         radius2: radius * radius,
         // 2⁻²⁰ covers the rounding of a squared distance, on both sides of the comparison it is made for.
@@ -126,8 +142,9 @@ fn possible_width(sides: [f64; 3], wanted: f64, options: &MapOptions) -> f64 {
     // A hash that scatters cells looks each one up: no more than 125 of them.
     let finest = if options.hash == Hash::Linear { radius / MOST_REACH } else { radius / 2.0 };
     let mut width = wanted.max(finest).max(longest / f64::from(MAX_CELLS_PER_AXIS - 8));
+    let most = options.table.unwrap_or(MAX_CELLS).clamp(1, MAX_CELLS);
     let cells = |width: f64| sides.into_iter().map(|side| (side / width).floor() + 1.0).product::<f64>();
-    while options.hash == Hash::Linear && cells(width) > f64::from(MAX_CELLS) {
+    while options.hash == Hash::Linear && cells(width) > f64::from(most) {
         width *= 1.01;
     }
     width
@@ -138,7 +155,7 @@ fn round_down(x: f64) -> f32 {
     if f64::from(rounded) > x { f32::from_bits(rounded.to_bits() - 1) } else { rounded }
 }
 
-fn table(cells: [u32; 3], photons: u64, options: &MapOptions) -> Result<u32, MapError> {
+fn table(cells: [u32; 3], photons: u64, options: &MapOptions, occupied: impl FnOnce() -> f64) -> Result<u32, MapError> {
     if options.hash == Hash::Linear {
         return Ok(cells.iter().product());
     }
@@ -148,8 +165,9 @@ fn table(cells: [u32; 3], photons: u64, options: &MapOptions) -> Result<u32, Map
         }
         return Ok(entries);
     }
-    // Photons lie on surfaces, many to a cell: a table with as many entries as photons is rarely a quarter full.
-    let by_photons = photons.next_power_of_two().clamp(1 << 10, 1 << 24);
+    // Four entries a cell: few cells share one, and an estimate from a sample may be too low by as much.
+    let by_cells = ((4.0 * occupied()) as u64).next_power_of_two();
+    let by_photons = photons.next_power_of_two().min(by_cells).clamp(1 << 10, 1 << 24);
     if options.hash == Hash::Teschner {
         return Ok(by_photons as u32);
     }
@@ -161,7 +179,7 @@ fn table(cells: [u32; 3], photons: u64, options: &MapOptions) -> Result<u32, Map
 #[cfg(test)]
 mod tests {
     use super::*;
-    use caustic_kernels::grid::cell_of;
+    use caustic_kernels::grid::{HASH_LINEAR, HASH_TESCHNER, cell_of};
 
     fn options(radius: f32, hash: Hash) -> MapOptions {
         MapOptions { radius, hash, table: None, cell: None }
@@ -223,6 +241,22 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A crowd a ten-thousandth as wide as its surroundings: the linear hash has no cells that small, the other has.
+    #[test]
+    fn a_linear_hash_is_chosen_until_its_cells_are_too_wide_for_the_crowd() {
+        let at = |i: u32, side: f32| -> [f32; 3] {
+            let random = caustic_kernels::num::pcg4d([i, 1, 2, 3]);
+            std::array::from_fn(|axis| 0.5 + side * (random[axis] as f32 / 4_294_967_296.0 - 0.5))
+        };
+        for (side, expected) in [(1.0, HASH_LINEAR), (0.05, HASH_LINEAR), (1e-4, HASH_TESCHNER)] {
+            let sample: Vec<_> = (0..4096).map(|i| if i % 10 == 0 { at(i, 1.0) } else { at(i, side) }).collect();
+            let grid = plan_grid([0.0; 3], [1.0; 3], 1_000_000, &sample, &options(side / 50.0, Hash::Auto)).unwrap();
+            assert_eq!(grid.hash, expected, "{side}");
+        }
+        let none = plan_grid([0.0; 3], [1.0; 3], 1, &[], &options(0.1, Hash::Auto)).unwrap();
+        assert_eq!(none.hash, HASH_LINEAR);
     }
 
     #[test]

@@ -11,6 +11,8 @@ pub const MAX_K: u32 = CAPACITIES[CAPACITIES.len() - 1] - 1;
 /// The hash function.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Hash {
+    /// [`Hash::Linear`], unless its table is too small for how the photons crowd: then [`Hash::Teschner`].
+    Auto,
     /// Linear cell number (eq. 3.2): no collisions, but a table as large as the grid.
     #[default]
     Linear,
@@ -35,11 +37,11 @@ pub enum Gather {
 }
 
 impl Hash {
-    /// Its number in [`Grid::hash`](caustic_kernels::grid::Grid::hash).
+    /// Its number in [`Grid::hash`](caustic_kernels::grid::Grid::hash); of [`Hash::Auto`], which a grid chooses for, that of the linear hash.
     #[must_use]
     pub fn code(self) -> u32 {
         match self {
-            Self::Linear => HASH_LINEAR,
+            Self::Auto | Self::Linear => HASH_LINEAR,
             Self::Teschner => HASH_TESCHNER,
             Self::Morton => HASH_MORTON,
         }
@@ -53,8 +55,8 @@ pub struct MapOptions {
     pub radius: f32,
     /// The hash function.
     pub hash: Hash,
-    /// Entries of the table of [`Hash::Teschner`] and [`Hash::Morton`], a power of two; chosen from the number of photons if
-    /// not given.
+    /// Entries of the table of [`Hash::Teschner`] and [`Hash::Morton`], a power of two; most entries of that of
+    /// [`Hash::Linear`]. Chosen from the cells that photons lie in if not given.
     pub table: Option<u32>,
     /// Width of a cell, m, or more where there would be too many; chosen from how the photons crowd if not given. Results do not
     /// depend on it.

@@ -9,7 +9,7 @@ use crate::photons::{PassKind, photon_map};
 use crate::report::{MapReport, Progress};
 use crate::scene::{CompiledScene, Scene};
 use crate::work::WorkUnit;
-use crate::{Integrator, RenderError, Settings};
+use crate::{Feature, Integrator, RenderError, Settings, decide};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::Reach;
 use caustic_kernels::layout::{Irradiance, Query};
@@ -20,9 +20,9 @@ use caustic_kernels::trace::{
 use caustic_photon_map::{PhotonMap, Seen};
 
 /// Camera samples of one tile: the unit of progress. A GPU needs more of them to be busy; it begins with a part of that.
-const CPU_SAMPLES: u32 = 1 << 17;
+pub(crate) const CPU_SAMPLES: u32 = 1 << 17;
 const GPU_FIRST_SAMPLES: u32 = 1 << 19;
-const GPU_SAMPLES: u32 = 1 << 21;
+pub(crate) const GPU_SAMPLES: u32 = 1 << 21;
 
 /// What passes of a picture share.
 pub(crate) struct Frame<'a> {
@@ -86,8 +86,12 @@ impl<'a> Frame<'a> {
         let [global, caustic] = PassKind::of(self.settings, self.compiled);
         let global = self.map(global, seed, radius, &mut said, progress)?;
         let caustic = self.map(caustic, seed, radius, &mut said, progress)?;
-        if self.settings.parts() & PART_CAUSTIC != 0 && !self.compiled.has_specular {
-            said.notes.push("no caustic map: nothing in the scene is specular".to_string());
+        // What is left out though the picture would have it.
+        let parts = [(Feature::GlobalMap, PART_GLOBAL), (Feature::CausticMap, PART_CAUSTIC)];
+        for one in decide(self.compiled, self.settings).iter().filter(|one| !one.modelled) {
+            if parts.iter().any(|&(feature, part)| feature == one.feature && self.settings.parts() & part != 0) {
+                said.notes.push(format!("no {}: {}", one.feature.title(), one.why));
+            }
         }
         Ok(Maps { seed, global, caustic, said })
     }

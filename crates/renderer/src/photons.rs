@@ -6,17 +6,16 @@ use crate::pace::Pace;
 use crate::photon_file::PhotonFile;
 use crate::report::{MapReport, Progress};
 use crate::scene::CompiledScene;
-use crate::{RenderError, Settings, Show};
+use crate::{Feature, RenderError, Settings, Show, decide};
 use caustic_device::{Buffer, Device, Plan};
+use caustic_kernels::grid::HASH_LINEAR;
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
-use caustic_kernels::trace::{
-    FATE_CUT, FATE_LANDED, PART_CAUSTIC, PART_GLOBAL, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally,
-};
+use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally};
 use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
-const CHUNK: u32 = 1 << 20;
+pub(crate) const CHUNK: u32 = 1 << 20;
 /// Paths of a GPU's first dispatch.
 const FIRST_CHUNK: u32 = 1 << 18;
 /// Photons that are looked at to choose the width of cells.
@@ -46,12 +45,10 @@ impl PassKind {
     /// The passes that a picture needs: of the global map and of the caustic one, if it is wanted and there can be one.
     pub(crate) fn of(settings: &Settings, scene: &CompiledScene) -> [Option<Self>; 2] {
         let Settings { photons, caustic_photons, show, final_gather, .. } = *settings;
-        let wanted = |part: u32| settings.parts() & part != 0;
-        let aimed = scene.has_specular && scene.fewest_photons(RAY_CAUSTIC) > 0;
-        let caustic = wanted(PART_CAUSTIC) && aimed && caustic_photons > 0;
+        let modelled = |feature| decide(scene, settings).iter().any(|one| one.feature == feature && one.modelled);
         [
-            wanted(PART_GLOBAL).then(|| Self::global(photons, show, final_gather > 0)),
-            caustic.then(|| Self::caustic(caustic_photons, show)),
+            modelled(Feature::GlobalMap).then(|| Self::global(photons, show, final_gather > 0)),
+            modelled(Feature::CausticMap).then(|| Self::caustic(caustic_photons, show)),
         ]
     }
 
@@ -101,7 +98,7 @@ pub(crate) fn photon_map(
     let stored = u64::from(report.photons_stored);
     let (low, high) = scene.diffuse_bounds;
     let positions = sample(device, &unsorted, stored)?;
-    let options = MapOptions { radius: settings.radius, hash: settings.hash, table: None, cell: None };
+    let options = MapOptions { radius: settings.radius, hash: settings.hash, table: settings.table, cell: None };
     let grid = plan_grid(low, high, stored, &positions, &options)?;
     let mut plan = Plan::new();
     plan.scope(kind.map);
@@ -111,6 +108,7 @@ pub(crate) fn photon_map(
     }
     device.run(&plan)?;
     report.table_entries = grid.table;
+    report.linear = grid.hash == HASH_LINEAR;
     report.bytes = map.bytes();
     if settings.health {
         report.health = Some(map.health(device)?);

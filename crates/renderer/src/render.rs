@@ -105,7 +105,7 @@ pub fn render_across(
     let workers = devices.len() + remote.as_ref().map_or(0, |remote| remote.workers());
     let split = Split::new(settings, part.map_or(1, |part| part.of), workers as u32);
     let (first, end) = split.numbers(settings, part)?;
-    let compiled = scene.compile();
+    let compiled = scene.compile_with(&settings.forced);
     let mut notes = scene.notes.clone();
     let buffers = SceneBuffers::new(devices[0], &compiled)?;
     let frame = Frame::new(devices[0], scene, &compiled, &buffers, settings, photons)?;

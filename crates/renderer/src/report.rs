@@ -33,6 +33,8 @@ pub struct MapReport {
     pub ledger: Vec<LightLedger>,
     /// Entries of the hash table.
     pub table_entries: u32,
+    /// Whether it is that of the linear hash.
+    pub linear: bool,
     /// Bytes of the finished map.
     pub bytes: u64,
     /// How its photons lie in the table, if [`Settings::health`](crate::Settings::health) asks for it.
@@ -51,6 +53,7 @@ impl MapReport {
             paths_cut: 0,
             ledger: Vec::new(),
             table_entries: 0,
+            linear: false,
             bytes: 0,
             health: None,
         }

@@ -1,11 +1,11 @@
 //! What a user can choose.
 
-use crate::RenderError;
 use crate::output::LayerKind;
 use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
+use crate::{Feature, RenderError};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS};
-use caustic_photon_map::{Estimate, Filter, Gather, Hash, RADII, Surface};
+use caustic_photon_map::{Estimate, Filter, Gather, Hash, MAX_TABLE, RADII, Surface};
 
 /// Which part of the light is rendered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -90,6 +90,8 @@ pub struct Settings {
     pub radius: f32,
     /// Hash function of the maps.
     pub hash: Hash,
+    /// Most entries of a map's table, if the hash is linear, or how many, a power of two; chosen from the photons if not given.
+    pub table: Option<u32>,
     /// How the gather finds the nearest photons.
     pub gather: Gather,
     /// Camera samples a pixel.
@@ -114,6 +116,8 @@ pub struct Settings {
     pub stop: Stop,
     /// Layers to make beside the picture, each once.
     pub layers: Vec<LayerKind>,
+    /// What to model though the scene does not need it: the picture is the same, and takes longer.
+    pub forced: Vec<Feature>,
     /// Whether to look at how the photons lie in the maps' tables ([`MapReport::health`](crate::MapReport::health)): that reads them back.
     pub health: bool,
 }
@@ -132,7 +136,8 @@ impl Settings {
             caustic_photons: defaults.caustic_photons.unwrap_or(500_000),
             k: defaults.k.unwrap_or(150),
             radius: defaults.radius.unwrap_or(0.15),
-            hash: Hash::Linear,
+            hash: Hash::Auto,
+            table: None,
             gather: Gather::Auto,
             spp: defaults.spp.unwrap_or(16),
             seed: 0,
@@ -145,6 +150,7 @@ impl Settings {
             final_gather: 0,
             stop: Stop::default(),
             layers: Vec::new(),
+            forced: Vec::new(),
             health: false,
         }
     }
@@ -199,6 +205,7 @@ impl Settings {
         whole("photons", self.photons, 1, MAX_PHOTONS)?;
         whole("caustic-photons", self.caustic_photons, 0, MAX_PHOTONS)?;
         whole("k", self.k, 1, MAX_K)?;
+        whole("table", self.table.unwrap_or(1), 1, MAX_TABLE)?;
         whole("spp", self.spp, 1, MAX_SPP)?;
         whole("final-gather", self.final_gather, 0, MAX_FINAL_GATHER)?;
         if u64::from(self.spp) * u64::from(self.final_gather) > u64::from(MAX_GATHER_RAYS) {

@@ -67,6 +67,8 @@ pub enum Axis {
     Sectors,
     /// Loads and stores.
     Accesses,
+    /// Relative mean square error.
+    RelMse,
 }
 
 impl Axis {
@@ -82,6 +84,7 @@ impl Axis {
             Self::Bytes => "bytes",
             Self::Sectors => "32-byte sectors beyond the fewest",
             Self::Accesses => "loads and stores",
+            Self::RelMse => "relMSE",
         }
     }
 }

@@ -8,7 +8,8 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use std::fmt::Write;
 
-const STYLE: &str = include_str!("style.css");
+/// What pages look like.
+pub const STYLE: &str = include_str!("style.css");
 
 /// The page.
 #[must_use]
@@ -137,7 +138,8 @@ fn figure(page: &mut String, made: &Made) {
     *page += "</section>\n";
 }
 
-fn table(page: &mut String, table: &Table, folded: bool) {
+/// Appends a table to a page, folded or open.
+pub fn table(page: &mut String, table: &Table, folded: bool) {
     let title = escaped(&table.title);
     *page += &if folded { format!("<details><summary>{title}</summary>") } else { format!("<h3>{title}</h3>") };
     *page += "<table><tr>";
@@ -181,6 +183,8 @@ fn badge(claim: &Claim) -> String {
     format!("<span class=\"verdict {}\">{}</span>", class(claim.verdict), claim.verdict.name())
 }
 
-fn escaped(text: &str) -> String {
+/// The text as a page has it.
+#[must_use]
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -7,7 +7,7 @@ mod plot;
 
 pub use claims::{claims, verdicts};
 pub use csv::{csv, json};
-pub use html::html;
+pub use html::{STYLE, escaped, html, table};
 pub use plot::svg;
 
 use crate::figure::{Figure, Page, Results};

@@ -104,6 +104,7 @@ fn number(axis: Axis, x: f64) -> String {
         Axis::Bytes if x >= 1e6 => short(x / 1e6, " MB"),
         Axis::Bytes if x >= 1e3 => short(x / 1e3, " kB"),
         Axis::Time | Axis::Radius | Axis::K => short(x, ""),
+        Axis::RelMse => format!("{x:.0e}"),
         _ if x >= 1e9 => short(x / 1e9, " G"),
         _ if x >= 1e6 => short(x / 1e6, " M"),
         _ if x >= 1e3 => short(x / 1e3, " k"),

@@ -19,7 +19,7 @@ use std::time::Duration;
 type Bounds = ([f32; 3], [f32; 3]);
 
 /// Most primitives of a scene that is one leaf: on a CPU a tree is faster from about 24 on.
-const FEW: usize = 16;
+pub(crate) const FEW: usize = 16;
 /// Bounds of nothing.
 const NOTHING: Bounds = ([f32::MAX; 3], [f32::MIN; 3]);
 /// The unit roundoff of f32.
@@ -41,9 +41,11 @@ pub(super) struct Lists {
 
 /// The nodes of a scene. Octants that share a list walk it in the order of the one that has the list's number: some find the farther
 /// child first, and what is near a little later.
-pub(super) fn nodes(primitives: &[Primitive], reach: f64) -> Lists {
+///
+/// Up to [`FEW`] primitives are one leaf, unless a tree is `wanted`.
+pub(super) fn nodes(primitives: &[Primitive], reach: f64, wanted: bool) -> Lists {
     let boxes: Vec<Bounds> = primitives.iter().map(|primitive| bounds(primitive, reach)).collect();
-    let tree = Tree::new(&boxes);
+    let tree = Tree::new(&boxes, if wanted { 1 } else { FEW });
     let mut lists = OCTANTS;
     while lists > 1 && lists as usize * tree.0.len() * size_of::<BvhNode>() > LISTS_BYTES {
         lists /= 2;
@@ -130,8 +132,8 @@ struct Node {
 struct Tree(Vec<Node>);
 
 impl Tree {
-    fn new(boxes: &[Bounds]) -> Self {
-        if boxes.len() <= FEW {
+    fn new(boxes: &[Bounds], few: usize) -> Self {
+        if boxes.len() <= few {
             let bounds = boxes.iter().fold(NOTHING, |all, one| around(all, *one));
             return Self(vec![Node { bounds, children: None, leaf: leaf(0, boxes.len() as u32), size: 1 }]);
         }

@@ -4,7 +4,8 @@ use super::bvh;
 use super::content::{Content, Glass, Layers, NOTHING, Pictures, Shape, Spot, Substance, Surface};
 use super::lights::{Source, chances, share_photons};
 use super::substances::smoothest;
-use super::targets::{aim, targets};
+use super::targets::{aim, boxed, targets};
+use crate::Feature;
 use caustic_kernels::trace::{
     BvhNode, Corners, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPHERE,
     LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR,
@@ -21,6 +22,8 @@ pub struct CompiledScene {
     pub info: SceneInfo,
     /// Whether it takes the FULL kernels to trace it; BASIC ones are faster.
     pub full: bool,
+    /// What only FULL kernels know of it.
+    pub beyond_basic: Vec<&'static str>,
     /// The tree over the primitives: [`SceneInfo::lists`] lists of [`SceneInfo::nodes`] nodes.
     pub nodes: Vec<BvhNode>,
     /// Quads, then spheres, discs and triangles, each in the file's order; those with corners last.
@@ -43,6 +46,8 @@ pub struct CompiledScene {
     pub diffuse_bounds: ([f32; 3], [f32; 3]),
     /// Whether there are mirrors, dielectrics or coats, so that there may be caustics.
     pub has_specular: bool,
+    /// Whether light that was diffusely reflected may meet a surface again that is not black; if not, a global map holds nothing.
+    pub interreflects: bool,
     /// Whether there are surfaces with a diffuse lobe, the ones that store photons; black ones count.
     pub has_diffuse: bool,
     /// Power of all lights together, W, for each of red, green and blue: π·L·A of a surface, 4π·I of a point light, and of what is infinitely far
@@ -90,8 +95,8 @@ const UNLIT: Light = Light {
     texture: NO_TEXTURE,
 };
 
-/// Compiles a scene.
-pub(super) fn compile(content: &Content) -> CompiledScene {
+/// Compiles a scene, with the features that are forced though it does not need them.
+pub(super) fn compile(content: &Content, forced: &[Feature]) -> CompiledScene {
     let sources = sources(content);
     let chances = chances(&sources);
     let mut lights = Vec::with_capacity(sources.len());
@@ -107,20 +112,36 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
     let reach = content.reach();
     let primitives: Vec<Primitive> =
         content.surfaces.iter().zip(&light_of).map(|(surface, &light)| primitive(surface, light, reach)).collect();
-    let bvh::Lists { nodes, lists } = bvh::nodes(&primitives, reach);
+    let bvh::Lists { nodes, lists } = bvh::nodes(&primitives, reach, forced.contains(&Feature::Tree));
     let has_specular = content.surfaces.iter().any(specular);
-    let targets = aim(&mut lights, &targets(content.surfaces.iter().filter(|surface| specular(surface))));
+    // Without gloss, photons of a forced caustic map go everywhere.
+    let everywhere = !has_specular && forced.contains(&Feature::CausticMap);
+    let targets = if everywhere {
+        vec![boxed(content.bounds())]
+    } else {
+        targets(content.surfaces.iter().filter(|surface| specular(surface)))
+    };
+    let targets = aim(&mut lights, &targets);
     share_photons(&mut lights, 1 << 20, |_| true);
     let materials: Vec<Material> =
         content.materials.iter().zip(&content.pictures).map(|(of, pictures)| material(of, *pictures)).collect();
     let basic_light = |light: &Light| light.kind == LIGHT_AREA || light.kind == LIGHT_POINT;
-    let more =
-        content.camera.lens_radius > 0.0 || materials.iter().any(beyond_basic) || !lights.iter().all(basic_light);
     // What lies behind a dielectric that is no closed sphere is inside of it, which only FULL kernels know.
     let basic = |primitive: &Primitive| match primitive.kind {
         PRIMITIVE_QUAD => materials[primitive.material as usize].kind != MATERIAL_DIELECTRIC,
         kind => kind == PRIMITIVE_SPHERE,
     };
+    let beyond_basic: Vec<_> = [
+        (content.camera.lens_radius > 0.0, "a lens"),
+        (materials.iter().any(is_beyond_basic), "materials with rough lobes, coats or absorption"),
+        (!lights.iter().all(basic_light), "lights that are neither quads nor points"),
+        (!content.textures.is_empty(), "textures"),
+        (!primitives.iter().all(basic), "triangles, discs or sheets of glass"),
+        (lists < OCTANTS, "a tree with fewer lists than octants"),
+    ]
+    .into_iter()
+    .filter_map(|(there, what)| there.then_some(what))
+    .collect();
     let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
     CompiledScene {
         info: SceneInfo {
@@ -134,13 +155,15 @@ pub(super) fn compile(content: &Content) -> CompiledScene {
             sky: content.sky.as_ref().map_or(NO_TEXTURE, |sky| sky.texture),
             holes: u32::from(content.pictures.iter().any(|pictures| pictures.cutoff > 0.0)),
         },
-        full: more || lists < OCTANTS || !content.textures.is_empty() || !primitives.iter().all(basic),
+        full: !beyond_basic.is_empty() || forced.contains(&Feature::FullKernels),
+        beyond_basic,
         corners: content.corners.clone(),
         textures: content.textures.clone(),
         texels: content.texels.clone(),
         materials,
         diffuse_bounds: bounds(content.surfaces.iter().filter(|surface| diffuse(surface))),
         has_specular,
+        interreflects: interreflects(content, reach),
         has_diffuse: content.surfaces.iter().any(diffuse),
         emitted_power_w: power.to_array(),
         nodes,
@@ -174,8 +197,7 @@ fn sources(content: &Content) -> Vec<Source> {
         // The falloff 3x² − 2x³ is even about the middle of the rim.
         Source { light, surface: None, power_w: point.intensity * (PI * (inner + outer)) }
     });
-    let (low, high) =
-        content.surfaces.iter().map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)));
+    let (low, high) = content.bounds();
     // A little larger than the scene, for rounding.
     let (middle, radius) = ((low + high) / 2.0, (high - low).length() / 2.0 * 1.000_01);
     let suns = content.suns.iter().map(|sun| {
@@ -314,8 +336,32 @@ fn material(substance: &Substance, pictures: Pictures) -> Material {
     }
 }
 
+/// Whether light from a diffuse surface may meet a surface that is not black. It cannot where all that is not black is matt and lies in one plane
+/// without corner normals: a ray leaves a plane by more than its surfaces deviate from it here (`trace::leave`), and away from it.
+fn interreflects(content: &Content, reach: f64) -> bool {
+    let black = |surface: &Surface| content.materials[surface.material] == Substance::Lambertian(DVec3::ZERO);
+    let mut plane = None;
+    for surface in content.surfaces.iter().filter(|surface| !black(surface)) {
+        let matt = matches!(content.materials[surface.material], Substance::Lambertian(_));
+        let corners = match surface.shape {
+            Shape::Quad { corner, edge_u, edge_v } | Shape::Disc { corner, edge_u, edge_v } => {
+                [corner, corner + edge_u, corner + edge_v]
+            }
+            Shape::Triangle { corners } => corners,
+            Shape::Sphere { .. } => return true,
+        };
+        let [a, b, c] = corners;
+        let (point, normal) = *plane.get_or_insert_with(|| (a, (b - a).cross(c - a).normalize()));
+        let beside = |corner: &DVec3| (*corner - point).dot(normal).abs() > 2f64.powi(-24) * reach;
+        if !matt || surface.has_corners || corners.iter().any(beside) || beside(&(b + c - a)) {
+            return true;
+        }
+    }
+    false
+}
+
 /// Whether only FULL kernels know the material.
-fn beyond_basic(material: &Material) -> bool {
+fn is_beyond_basic(material: &Material) -> bool {
     let kind = material.kind;
     let known = kind == MATERIAL_LAMBERTIAN || kind == MATERIAL_MIRROR || kind == MATERIAL_DIELECTRIC;
     !known || material.absorption != [0.0; 3]

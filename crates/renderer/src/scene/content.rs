@@ -37,8 +37,7 @@ impl Content {
     /// The kernels compute in f32, which 10⁶ m from the origin knows steps of 6 cm only. A file's numbers are f64, whose steps
     /// there are a ten-millionth of a millimetre; so the scene is moved before it is rounded. One that stands at the origin stays as it is.
     pub fn localised(mut self) -> Self {
-        let (low, high) =
-            self.surfaces.iter().map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)));
+        let (low, high) = self.bounds();
         let extent = (high - low).max_element();
         let along = |low: f64, high: f64| if low > extent || high < -extent { low } else { 0.0 };
         let origin = DVec3::new(along(low.x, high.x), along(low.y, high.y), along(low.z, high.z));
@@ -81,6 +80,11 @@ impl Content {
             sum += texel.truncate().as_dvec3();
         }
         sum / f64::from(SIDE * SIDE)
+    }
+
+    /// The box around all surfaces, m.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        self.surfaces.iter().map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)))
     }
 
     /// The largest coordinate of anything in the scene, m.

@@ -21,6 +21,8 @@ impl CompiledScene {
             textures,
             texels,
             full: _,
+            beyond_basic: _,
+            interreflects: _,
             diffuse_bounds: _,
             has_specular: _,
             has_diffuse: _,

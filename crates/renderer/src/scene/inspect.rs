@@ -1,7 +1,7 @@
 //! What a scene holds, and what in it is worth a look.
 
 use super::Scene;
-use super::content::{NOTHING, Shape, Substance, Surface};
+use super::content::{Shape, Substance, Surface};
 use caustic_kernels::trace::Texture;
 use glam::DVec3;
 use serde::Serialize;
@@ -49,8 +49,7 @@ pub struct Inspection {
 pub(super) fn inspect(scene: &Scene) -> Inspection {
     let content = &scene.content;
     let count = |is: fn(&Shape) -> bool| content.surfaces.iter().filter(|surface| is(&surface.shape)).count();
-    let (low, high) =
-        content.surfaces.iter().map(Surface::bounds).fold(NOTHING, |all, one| (all.0.min(one.0), all.1.max(one.1)));
+    let (low, high) = content.bounds();
     let compiled = scene.compile();
     let bytes = |records: &[u8]| records.len() as u64;
     let mut warnings = Vec::new();

@@ -13,7 +13,7 @@
 //! ```
 
 mod builtin;
-mod bvh;
+pub(crate) mod bvh;
 mod camera;
 mod check;
 mod compile;
@@ -53,6 +53,7 @@ pub use error::{Place, SceneError};
 pub use inspect::Inspection;
 pub use text::suggestion;
 
+use crate::Feature;
 use caustic_kernels::trace::Camera;
 use content::Content;
 use document::Document;
@@ -159,6 +160,12 @@ impl Scene {
     /// The kernels' records.
     #[must_use]
     pub fn compile(&self) -> CompiledScene {
-        compile::compile(&self.content)
+        self.compile_with(&[])
+    }
+
+    /// The kernels' records, with features that the scene does not need.
+    #[must_use]
+    pub fn compile_with(&self, forced: &[Feature]) -> CompiledScene {
+        compile::compile(&self.content, forced)
     }
 }

@@ -98,7 +98,7 @@ fn around(surface: &Surface) -> Target {
 }
 
 /// The sphere around a box.
-fn boxed((low, high): (DVec3, DVec3)) -> Target {
+pub(super) fn boxed((low, high): (DVec3, DVec3)) -> Target {
     Target { centre: ((low + high) / 2.0).as_vec3().to_array(), radius: ((high - low).length() / 2.0) as f32 }
 }
 

@@ -1,0 +1,223 @@
+//! From a survey to the time, memory, noise and bias of a render.
+
+use crate::survey::{Survey, full_table};
+use caustic_device::Device;
+use caustic_photon_map::Hash;
+use caustic_renderer::scene::CompiledScene;
+use caustic_renderer::{ExpectedMap, Feature, Integrator, Settings, decide, peak_bytes};
+use serde::Serialize;
+
+/// What a render is expected to take and to be.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Prediction {
+    /// Passes.
+    pub passes: u32,
+    /// Time, s, of [`RenderReport::seconds`](caustic_renderer::RenderReport::seconds).
+    pub seconds: f64,
+    /// Time of a pass, s.
+    pub pass_seconds: f64,
+    /// Most bytes of all buffers, as [`RenderReport::peak_bytes`](caustic_renderer::RenderReport::peak_bytes) counts them.
+    pub bytes: u64,
+    /// relMSE from noise, that of photons and that of camera samples together.
+    pub noise: f64,
+    /// The part of it that is of camera samples: more of them make it smaller, more photons do not.
+    pub sample_noise: f64,
+    /// relMSE from blur: what stays however many passes there are.
+    pub bias: f64,
+}
+
+impl Prediction {
+    /// relMSE in all.
+    #[must_use]
+    pub fn error(&self) -> f64 {
+        self.noise + self.bias
+    }
+}
+
+impl Survey {
+    /// The radius within which k photons of so many lie, if [`Survey::radius`] is enough for its own, m.
+    #[must_use]
+    pub fn radius_for(&self, k: u32, photons: u32) -> f64 {
+        let density = f64::from(photons.max(1)) / self.emitted_all();
+        self.radius * (f64::from(k) / self.k[1] / density).sqrt()
+    }
+
+    /// Photons of the map that tells how dense they are.
+    fn emitted_all(&self) -> f64 {
+        if self.emitted[0] > 0.0 { self.emitted[0] } else { self.emitted[1].max(1.0) }
+    }
+
+    /// Predicts a render of the scene that was surveyed, with `passes` passes.
+    #[must_use]
+    pub fn predict(&self, scene: &CompiledScene, settings: &Settings, passes: u32, device: &Device) -> Prediction {
+        let maps = self.maps(scene, settings);
+        let samples = f64::from(settings.size[0]) * f64::from(settings.size[1]) * f64::from(settings.spp);
+        let fixed = self.image_s
+            + (0..2)
+                .map(|of| if maps[of].emitted > 0.0 { self.photons[of].of(maps[of].emitted) } else { 0.0 })
+                .sum::<f64>()
+            + self.entry_s * (maps[0].table + maps[1].table);
+        let k = f64::from(settings.k);
+        // Photons in a disc beside those in one of the survey, where all have as many to choose from.
+        let of = usize::from(self.emitted[0] == 0.0);
+        let dense = (maps[of].emitted.max(1.0) / self.emitted[of].max(1.0)).max(1e-9);
+        let (mut seconds, mut noise, mut sample_noise, mut blur) = (self.setup_s, 0.0, 0.0, 0.0);
+        let n = f64::from(passes.max(1));
+        for pass in 0..passes.max(1) {
+            let disc = k * self.shrink(settings, pass);
+            seconds += fixed + samples * self.sample_s(disc);
+            sample_noise += self.sample_noise / f64::from(settings.spp);
+            noise += self.photon_noise(disc);
+            blur += self.blur(disc / dense).sqrt();
+        }
+        Prediction {
+            passes,
+            seconds,
+            pass_seconds: (seconds - self.setup_s) / n,
+            bytes: peak_bytes(scene, settings, maps, device),
+            noise: (noise + sample_noise) / (n * n),
+            sample_noise: sample_noise / (n * n),
+            bias: (blur / n).powi(2),
+        }
+    }
+
+    /// The maps that such a render has.
+    fn maps(&self, scene: &CompiledScene, settings: &Settings) -> [ExpectedMap; 2] {
+        let decisions = decide(scene, settings);
+        let modelled = |feature| decisions.iter().any(|one| one.feature == feature && one.modelled);
+        let of = [(Feature::GlobalMap, settings.photons), (Feature::CausticMap, settings.caustic_photons)];
+        [0, 1].map(|i| {
+            let (feature, photons) = of[i];
+            if !modelled(feature) {
+                return ExpectedMap::default();
+            }
+            let emitted = f64::from(photons);
+            let stored = emitted * self.stored[i];
+            ExpectedMap { emitted, stored, table: self.table(i, emitted, settings) }
+        })
+    }
+
+    /// Entries of a table for so many photons. Cells of a surface shrink with the root of its photons, and there are as many more of them along
+    /// each of three axes.
+    fn table(&self, i: usize, emitted: f64, settings: &Settings) -> f64 {
+        if self.emitted[i] == 0.0 {
+            return 0.0;
+        }
+        let more = emitted / self.emitted[i];
+        match settings.hash {
+            Hash::Linear | Hash::Auto => {
+                // A table that has nearly all it may have has been held back.
+                let held_back = self.tables[i] > 0.6 * self.most_entries;
+                let entries = if held_back { self.most_entries } else { self.tables[i] };
+                (entries * more.powf(1.5)).min(full_table(settings))
+            }
+            _ => settings.table.map_or(self.tables[i] * more, f64::from),
+        }
+    }
+
+    /// The part of a first disc that a pass has: those of progressive passes shrink (Knaus and Zwicker 2011, equation 15).
+    fn shrink(&self, settings: &Settings, pass: u32) -> f64 {
+        if settings.integrator != Integrator::Progressive {
+            return 1.0;
+        }
+        let alpha = f64::from(settings.alpha);
+        (1..=pass).map(|i| (f64::from(i) + alpha) / (f64::from(i) + 1.0)).product()
+    }
+
+    /// Time of a camera sample, by the number of photons in its discs: a straight line between those measured, and on from them.
+    fn sample_s(&self, disc: f64) -> f64 {
+        let side = usize::from(disc > self.k[1]);
+        let (near, far) = (self.k[side], self.k[side + 1]);
+        let (from, to) = (self.sample_s[side], self.sample_s[side + 1]);
+        let slope = ((to - from) / (far - near)).max(0.0);
+        (from + slope * (disc - near)).max(0.25 * self.sample_s[0])
+    }
+
+    /// Noise from photons: a/k + b through what was measured by least squares of relative errors. b is what photons have no part in, such as
+    /// edges.
+    fn photon_noise(&self, disc: f64) -> f64 {
+        let points = self.k.iter().zip(&self.photon_noise).filter(|(_, noise)| **noise > 0.0);
+        let (mut xx, mut x1, mut one, mut xy, mut y1) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (k, noise) in points {
+            let (x, w) = (1.0 / k, 1.0 / (noise * noise));
+            xx += w * x * x;
+            x1 += w * x;
+            one += w;
+            xy += w * x * noise;
+            y1 += w * noise;
+        }
+        let determinant = xx * one - x1 * x1;
+        if determinant <= 0.0 {
+            return 0.0;
+        }
+        let (a, b) = ((xy * one - y1 * x1) / determinant, (xx * y1 - x1 * xy) / determinant);
+        match (a < 0.0, b < 0.0) {
+            (true, _) => y1 / one,
+            (_, true) => xy / xx / disc,
+            _ => a / disc + b,
+        }
+    }
+
+    /// relMSE from blur with discs of so many photons among those of the survey. The mean difference between discs grows as a power of their
+    /// photons: 1 where the irradiance is curved, and less at edges.
+    fn blur(&self, disc: f64) -> f64 {
+        let [less, more] = self.blur.map(|blur| blur.max(0.0));
+        if more == 0.0 {
+            return 0.0;
+        }
+        let step = self.k[2] / self.k[1];
+        let power = if less > 0.0 { ((more / less).ln() / (2.0 * step.ln())).clamp(0.2, 1.0) } else { 0.5 };
+        // Of the largest disc: what it differs by from the middle one, and that from none.
+        let largest = more / (1.0 - step.powf(-power)).powi(2);
+        largest * (disc / self.k[2]).powf(2.0 * power)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survey::Work;
+    use caustic_renderer::scene::Scene;
+
+    fn survey() -> Survey {
+        Survey {
+            emitted: [1e4, 0.0],
+            stored: [1.0, 0.0],
+            tables: [1e3, 0.0],
+            most_entries: 1e6,
+            k: [10.0, 40.0, 160.0],
+            radius: 0.1,
+            setup_s: 0.5,
+            photons: [Work { fixed: 0.1, each: 1e-6 }, Work::default()],
+            entry_s: 0.0,
+            image_s: 0.2,
+            sample_s: [1e-6, 2e-6, 4e-6],
+            sample_noise: 0.4,
+            photon_noise: [0.11, 0.035, 0.01625],
+            blur: [1e-6, 1e-6 * 16.0],
+        }
+    }
+
+    /// Numbers that follow the laws of the model come out as the laws have them.
+    #[test]
+    fn a_survey_of_known_laws_predicts_by_them() {
+        let scene = Scene::load("furnace").unwrap();
+        let compiled = scene.compile();
+        let settings = Settings { size: [10, 10], photons: 100_000, k: 40, spp: 4, ..Settings::of(&scene) };
+        let one = survey().predict(&compiled, &settings, 1, &Device::cpu());
+        assert!((one.seconds - (0.5 + 0.1 + 0.1 + 0.2 + 400.0 * 2e-6)).abs() < 1e-9, "{one:?}");
+        // a = 1, b = 0.01, and a tenth of a sample's noise each.
+        assert!((one.noise - (0.1 + 1.0 / 40.0 + 0.01)).abs() < 1e-9, "{one:?}");
+        // The difference is four times as large one step on: its power is 1, and it falls as (k/N)².
+        let expected = 1.6e-5 / 0.75f64.powi(2) * (4.0f64 / 160.0).powi(2);
+        assert!((one.bias - expected).abs() < 1e-12, "{one:?}");
+        let four = survey().predict(&compiled, &settings, 4, &Device::cpu());
+        assert!((four.noise - one.noise / 4.0).abs() < 1e-12 && (four.bias - one.bias).abs() < 1e-12, "{four:?}");
+        let radius = survey().radius_for(160, 40_000);
+        assert!((radius - 0.1).abs() < 1e-12, "{radius}");
+        // Progressive passes lose bias, and noise more slowly.
+        let settings = Settings { integrator: Integrator::Progressive, ..settings };
+        let shrinking = survey().predict(&compiled, &settings, 4, &Device::cpu());
+        assert!(shrinking.bias < four.bias && shrinking.noise > four.noise, "{shrinking:?}");
+    }
+}

@@ -1,0 +1,307 @@
+//! Small renders of a scene that tell of large ones.
+//!
+//! A small render has fewer photons, and discs that are larger by as much: an estimate then sums as many photons, so it costs as much and is
+//! as noisy. Three numbers of photons in a disc, a factor of four apart, say how time, noise and bias depend on it; two seeds tell noise
+//! from bias; a render of an eighth the size tells what does not depend on size.
+
+use crate::pilot::{Pilot, pilot};
+use caustic_device::Device;
+use caustic_photon_map::{Hash, MAX_K, RADII};
+use caustic_renderer::scene::Scene;
+use caustic_renderer::scene::limits::MAX_SIDE;
+use caustic_renderer::{RenderError, Settings};
+use serde::{Deserialize, Serialize};
+
+pub use crate::pilot::Costs;
+
+/// Photons of a small render for both maps together.
+const CPU_PHOTONS: f64 = 49_152.0;
+const GPU_PHOTONS: f64 = 1_048_576.0;
+/// Pixels of a small render.
+const CPU_PIXELS: f64 = 3072.0;
+const GPU_PIXELS: f64 = 131_072.0;
+/// Camera samples of its pixels.
+const SPP: u32 = 4;
+/// How much smaller the smallest render is.
+const TINY: f64 = 8.0;
+/// Ratio of the numbers of photons in a disc.
+const STEP: u32 = 4;
+/// Seeds of small renders: of no picture that anyone asks for.
+const SEEDS: [u32; 2] = [0x51de_0001, 0x51de_0002];
+
+/// Work that takes `fixed` seconds and `each` seconds for each item.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Work {
+    /// s.
+    pub fixed: f64,
+    /// s.
+    pub each: f64,
+}
+
+impl Work {
+    /// Through two measurements of items and seconds, neither part below 0.
+    fn through((few, few_s): (f64, f64), (many, many_s): (f64, f64)) -> Self {
+        if many <= few || many <= 0.0 {
+            return Self { fixed: many_s.max(0.0), each: 0.0 };
+        }
+        let each = ((many_s - few_s) / (many - few)).clamp(0.0, many_s.max(0.0) / many);
+        Self { fixed: (many_s - each * many).max(0.0), each }
+    }
+
+    /// Seconds for so many items.
+    #[must_use]
+    pub fn of(&self, items: f64) -> f64 {
+        self.fixed + self.each * items
+    }
+}
+
+/// What small renders of a scene say of larger ones on a device.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Survey {
+    /// Photons emitted for the global and for the caustic map; 0 if there is no such map.
+    pub emitted: [f64; 2],
+    /// Photons stored for each that is emitted.
+    pub stored: [f64; 2],
+    /// Entries of the maps' tables.
+    pub tables: [f64; 2],
+    /// Most entries that they were allowed.
+    pub most_entries: f64,
+    /// The three numbers of photons in a disc.
+    pub k: [f64; 3],
+    /// Largest radius of the middle one, m.
+    pub radius: f64,
+    /// Until the first photon, s.
+    pub setup_s: f64,
+    /// Photons of the global and of the caustic map: traced, and built into a map but for its table.
+    pub photons: [Work; 2],
+    /// An entry of a table, s.
+    pub entry_s: f64,
+    /// What an image takes however small it is, s.
+    pub image_s: f64,
+    /// A camera sample with each number of photons in a disc, s.
+    pub sample_s: [f64; 3],
+    /// relMSE of one pass that one camera sample a pixel would have from all but the photons.
+    pub sample_noise: f64,
+    /// relMSE from photons, with each number of them in a disc.
+    pub photon_noise: [f64; 3],
+    /// Mean square of how much pictures of neighbouring numbers of photons in a disc differ but for noise, as relMSE.
+    pub blur: [f64; 2],
+}
+
+impl Survey {
+    /// Surveys a scene near `settings`: their ratio of photons for the two maps, their k, and their largest radius, or one that suffices
+    /// if it is automatic.
+    ///
+    /// # Errors
+    /// Those of renders; [`RenderError::Interrupted`] if `go_on` returns false.
+    pub fn take(
+        scene: &Scene,
+        settings: &Settings,
+        device: &Device,
+        costs: Costs,
+        go_on: &mut dyn FnMut() -> bool,
+    ) -> Result<Self, RenderError> {
+        let mut small = reduced(settings, device.is_gpu());
+        let discs = discs(settings.k);
+        let shrunk = f64::from(settings.photons.max(1)) / f64::from(small.photons.max(1));
+        small.k = discs[1];
+        if settings.automatic_radius {
+            small.radius = enough(scene, &small, device, go_on)?;
+        } else {
+            // As many photons within it, and as many more as the middle disc has.
+            let wider = (shrunk * f64::from(discs[1]) / f64::from(settings.k.max(1))).sqrt();
+            small.radius = within(f64::from(settings.radius) * wider);
+        }
+        small.automatic_radius = false;
+        // Cells that are as wide beside a disc: the full tables' limit, of cells as many times wider along three axes.
+        let cells = |shrunk: f64| Some((full_table(settings) / shrunk.powf(1.5)).clamp(1.0, MAX_CELLS) as u32);
+        let scatters = settings.hash != Hash::Auto && settings.hash != Hash::Linear;
+        small.table = if scatters { settings.table } else { cells(shrunk) };
+        let tiny = {
+            let scale = |photons: u32| (f64::from(photons) / TINY).ceil() as u32;
+            let size = small.size.map(|side| ((f64::from(side) / TINY.sqrt()) as u32).max(1));
+            let radius = within(f64::from(small.radius) * TINY.sqrt());
+            let (photons, caustic_photons) = (scale(small.photons).max(1), scale(small.caustic_photons));
+            let table = if scatters { settings.table } else { cells(shrunk * TINY) };
+            Settings { photons, caustic_photons, size, radius, table, ..small.clone() }
+        };
+        // The first one waits for the driver to compile, and for memory.
+        pilot(scene, &Settings { seed: SEEDS[0], ..tiny.clone() }, device, costs, go_on)?;
+        let few = pilot(scene, &Settings { seed: SEEDS[1], ..tiny.clone() }, device, costs, go_on)?;
+        let mut pilots = Vec::new();
+        for (i, k) in discs.into_iter().enumerate() {
+            let radius = within(f64::from(small.radius) * f64::from(STEP).sqrt().powi(i as i32 - 1));
+            let of_seed =
+                SEEDS.map(|seed| pilot(scene, &Settings { k, radius, seed, ..small.clone() }, device, costs, go_on));
+            let [a, b] = of_seed;
+            pilots.push([a?, b?]);
+        }
+        Ok(conclude(&few, &pilots, [&tiny, &small], discs))
+    }
+}
+
+/// Most entries of a linear table: `photon-map` makes cells wider rather than have more.
+const MAX_CELLS: f64 = 16_777_216.0;
+
+/// Most entries of a table of a render.
+pub(crate) fn full_table(settings: &Settings) -> f64 {
+    settings.table.map_or(MAX_CELLS, f64::from)
+}
+
+/// The settings of the small renders.
+fn reduced(settings: &Settings, gpu: bool) -> Settings {
+    let all = f64::from(settings.photons) + f64::from(settings.caustic_photons);
+    let most = if gpu { GPU_PHOTONS } else { CPU_PHOTONS };
+    let share = (most / all.max(1.0)).min(0.25);
+    let fewer = |photons: u32| (f64::from(photons) * share).ceil() as u32;
+    let [width, height] = settings.size.map(f64::from);
+    let pixels = if gpu { GPU_PIXELS } else { CPU_PIXELS };
+    let scale = (pixels / (width * height)).sqrt();
+    let side = |length: f64| ((length * scale).round() as u32).clamp(1, MAX_SIDE);
+    Settings {
+        size: [side(width), side(height)],
+        photons: fewer(settings.photons).max(1),
+        caustic_photons: fewer(settings.caustic_photons),
+        spp: SPP,
+        ..settings.clone()
+    }
+}
+
+/// Three numbers of photons in a disc, around `k`.
+fn discs(k: u32) -> [u32; 3] {
+    let least = 2;
+    let middle = k.clamp(least * STEP, MAX_K / STEP);
+    [middle / STEP, middle, middle * STEP]
+}
+
+/// A radius within which estimates of small renders find their photons; the scene's own if that cannot be found.
+fn enough(
+    scene: &Scene,
+    small: &Settings,
+    device: &Device,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<f32, RenderError> {
+    let found = pilot(scene, &Settings { automatic_radius: true, ..small.clone() }, device, Costs::BuiltIn, go_on);
+    match found {
+        Ok(found) => Ok(found.report.radius_m),
+        Err(RenderError::NoRadius { .. }) => Ok(small.radius),
+        Err(error) => Err(error),
+    }
+}
+
+/// The nearest radius that a map can have, m.
+pub(crate) fn within(radius: f64) -> f32 {
+    (radius as f32).clamp(*RADII.start(), *RADII.end())
+}
+
+/// What is to be learnt from small renders: one of `tiny` settings, and pairs of `small` ones for each number of photons in a disc.
+fn conclude(few: &Pilot, pilots: &[[Pilot; 2]], [tiny, small]: [&Settings; 2], discs: [u32; 3]) -> Survey {
+    let all = || pilots.iter().flatten();
+    let middle = |of: &dyn Fn(&Pilot) -> f64| median(all().map(of).collect());
+    let samples =
+        |settings: &Settings| f64::from(settings.size[0]) * f64::from(settings.size[1]) * f64::from(settings.spp);
+    let map = |pilot: &Pilot, of: usize| {
+        let name = ["global", "caustic"][of];
+        let map = pilot.report.maps.iter().find(|map| map.map == name);
+        map.map_or([0.0; 3], |map| [map.photons_emitted, map.photons_stored, map.table_entries].map(f64::from))
+    };
+    let first = &pilots[1][0];
+    let maps = [0, 1].map(|of| map(first, of));
+    let photons = [0, 1].map(|of| {
+        let small_s = middle(&|pilot| pilot.map_s[of]);
+        Work::through((map(few, of)[0], few.map_s[of]), (maps[of][0], small_s))
+    });
+    let entries = maps[0][2] + maps[1][2];
+    let image = |i: usize| pilots[i].iter().map(|pilot| pilot.image_s).fold(f64::INFINITY, f64::min);
+    let image_s = Work::through((samples(tiny), few.image_s), (samples(small), image(1))).fixed;
+    let [noise, indirect] = noises(pilots);
+    let direct = (0..3).map(|i| (noise[i] - indirect[i]).max(0.0)).sum::<f64>() / 3.0;
+    Survey {
+        emitted: maps.map(|map| map[0]),
+        stored: maps.map(|[emitted, stored, _]| if emitted > 0.0 { stored / emitted } else { 0.0 }),
+        tables: maps.map(|map| map[2]),
+        most_entries: full_table(small),
+        k: discs.map(f64::from),
+        radius: f64::from(small.radius),
+        setup_s: middle(&|pilot| pilot.setup_s),
+        photons,
+        entry_s: if entries > 0.0 { middle(&|pilot| pilot.tables_s) / entries } else { 0.0 },
+        image_s,
+        sample_s: [0, 1, 2].map(|i| (image(i) - image_s).max(0.0) / samples(small)),
+        sample_noise: direct * f64::from(small.spp),
+        photon_noise: indirect,
+        blur: blurs(pilots),
+    }
+}
+
+/// Square of a pixel's value that errors are relative to, as in [`caustic_metrics::relmse`].
+fn scale(pilots: &[[Pilot; 2]], i: usize) -> f64 {
+    let value = |pilot: &Pilot| f64::from(pilot.image.rgb.as_flattened()[i]);
+    let all = pilots.iter().flatten();
+    let mean = all.clone().map(value).sum::<f64>() / all.count() as f64;
+    mean * mean + caustic_metrics::EPSILON
+}
+
+/// relMSE of one picture from noise, and the part of it from photon maps, for each number of photons in a disc: half the mean square
+/// difference of two seeds.
+fn noises(pilots: &[[Pilot; 2]]) -> [[f64; 3]; 2] {
+    let values = pilots[0][0].image.rgb.len() * 3;
+    let mut noise = [[0.0; 3]; 2];
+    for i in 0..values {
+        let weight = 0.5 / scale(pilots, i) / values as f64;
+        for (disc, [a, b]) in pilots.iter().enumerate() {
+            let whole = |pilot: &Pilot| pilot.image.rgb.as_flattened()[i];
+            let part = |pilot: &Pilot| pilot.indirect.as_flattened()[i];
+            noise[0][disc] += f64::from(whole(a) - whole(b)).powi(2) * weight;
+            noise[1][disc] += f64::from(part(a) - part(b)).powi(2) * weight;
+        }
+    }
+    noise
+}
+
+/// Mean product of the differences that two seeds see between neighbouring discs: noise of two seeds is independent, so that it has no part
+/// in it.
+fn blurs(pilots: &[[Pilot; 2]]) -> [f64; 2] {
+    let values = pilots[0][0].image.rgb.len() * 3;
+    let mut blur = [0.0; 2];
+    for i in 0..values {
+        let weight = 1.0 / scale(pilots, i) / values as f64;
+        for (step, blur) in blur.iter_mut().enumerate() {
+            let difference = |seed: usize| {
+                let part = |disc: usize| f64::from(pilots[disc][seed].indirect.as_flattened()[i]);
+                part(step + 1) - part(step)
+            };
+            *blur += difference(0) * difference(1) * weight;
+        }
+    }
+    blur
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn work_is_a_line_with_parts_that_are_not_negative() {
+        let work = Work::through((10.0, 2.0), (110.0, 4.0));
+        assert!((work.fixed - 1.8).abs() < 1e-12 && (work.each - 0.02).abs() < 1e-12);
+        assert!((work.of(1000.0) - 21.8).abs() < 1e-9);
+        // Faster for more, and faster than in proportion.
+        assert_eq!(Work::through((10.0, 2.0), (110.0, 1.0)), Work { fixed: 1.0, each: 0.0 });
+        assert_eq!(Work::through((10.0, 0.0), (100.0, 5.0)), Work { fixed: 0.0, each: 0.05 });
+        assert_eq!(Work::through((0.0, 0.0), (0.0, 0.0)), Work::default());
+    }
+
+    #[test]
+    fn discs_are_four_times_apart_and_within_what_kernels_know() {
+        for k in [1, 7, 8, 50, 150, 256, 1024] {
+            let [a, b, c] = discs(k);
+            assert!(a >= 2 && b == a * 4 + b % 4 && c == 4 * b && c <= MAX_K, "{a} {b} {c}");
+        }
+    }
+}

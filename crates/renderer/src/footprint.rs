@@ -1,0 +1,87 @@
+//! How much memory a render takes, from what it is going to allocate.
+
+use crate::frame::{CPU_SAMPLES, GPU_SAMPLES};
+use crate::output::LayerKind;
+use crate::photons::CHUNK;
+use crate::scene::CompiledScene;
+use crate::{Integrator, Settings};
+use caustic_device::Device;
+use caustic_kernels::gather::Reach;
+use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
+use caustic_kernels::sort::{DIGITS, SORT_BLOCK};
+use caustic_kernels::trace::{
+    BvhNode, Corners, LEDGER_PATHS, LayerPixel, LedgerBlock, LedgerSum, PART_DIRECT, Pixel, Primitive, Tally, Texel,
+    Vertex,
+};
+use caustic_photon_map::Filter;
+
+/// A map that a render is going to have.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExpectedMap {
+    /// Photons emitted.
+    pub emitted: f64,
+    /// Photons stored.
+    pub stored: f64,
+    /// Entries of its table.
+    pub table: f64,
+}
+
+impl ExpectedMap {
+    /// Bytes of the finished map.
+    fn bytes(&self) -> f64 {
+        self.stored * size::<(Site, Arrival)>() + 4.0 * self.table
+    }
+
+    /// Most bytes while its photons are traced, stored and sorted.
+    fn peak(&self) -> f64 {
+        let chunk = self.emitted.min(f64::from(CHUNK));
+        // Counts; fates and segments with their sums; tallies and the ledger.
+        let ledger = chunk / f64::from(LEDGER_PATHS) * size::<(LedgerBlock, LedgerSum)>();
+        let trace = 4.0 * self.emitted + chunk * (16.0 + size::<Tally>()) + ledger;
+        let store = 8.0 * self.emitted + self.stored * size::<Photon>();
+        let histograms = 8.0 * f64::from(DIGITS) * self.stored / f64::from(SORT_BLOCK);
+        let build = self.stored * (size::<Photon>() + 16.0) + histograms + self.bytes();
+        trace.max(store).max(build)
+    }
+}
+
+/// Most bytes that the buffers of a render have at once: within a few percent of
+/// [`RenderReport::peak_bytes`](crate::RenderReport::peak_bytes), if the maps are as expected.
+#[must_use]
+pub fn peak_bytes(scene: &CompiledScene, settings: &Settings, maps: [ExpectedMap; 2], device: &Device) -> u64 {
+    let [width, height] = settings.size.map(f64::from);
+    let pixels = width * height;
+    let layers = settings.needs_layers();
+    let film = pixels * (size::<Pixel>() + if layers { size::<LayerPixel>() } else { 0.0 });
+    let most = f64::from(if device.is_gpu() { GPU_SAMPLES } else { CPU_SAMPLES });
+    let paths = settings.integrator == Integrator::Path;
+    let gathered = f64::from(if maps[0].stored > 0.0 { settings.final_gather } else { 0 });
+    let rays = f64::from(settings.spp) * gathered.max(1.0);
+    let tile = (most / rays).floor().clamp(1.0, pixels) * f64::from(settings.spp);
+    let mut each = size::<Vertex>() + if paths { 0.0 } else { size::<Query>() };
+    each += if settings.parts() & PART_DIRECT != 0 { size::<Irradiance>() } else { 0.0 };
+    for (_, gathered) in maps.iter().zip([gathered, 0.0]).filter(|(map, _)| map.stored > 0.0) {
+        // Queries are sorted, and those of a final gather are made first.
+        let filtered = settings.filter != Filter::Constant || settings.estimate().needs_sides();
+        let search = 16.0 + if filtered { size::<Reach>() } else { 0.0 };
+        each += size::<Irradiance>();
+        each += if settings.layers.contains(&LayerKind::Radius) { 16.0 + size::<Reach>() } else { 0.0 };
+        each += if gathered > 0.0 {
+            gathered * (search + size::<(Query, Vertex)>() + size::<Irradiance>())
+        } else {
+            search
+        };
+    }
+    let image = maps[0].bytes() + maps[1].bytes() + film + tile * each;
+    let photons = maps[0].peak().max(maps[0].bytes() + maps[1].peak());
+    let records = scene.nodes.len() as f64 * size::<BvhNode>()
+        + scene.primitives.len() as f64 * size::<Primitive>()
+        + scene.corners.len() as f64 * size::<Corners>()
+        + scene.texels.len() as f64 * size::<Texel>();
+    (records + image.max(photons)) as u64
+}
+
+/// Bytes of a record.
+fn size<T>() -> f64 {
+    size_of::<T>() as f64
+}

@@ -1,0 +1,123 @@
+//! Arguments that leave decisions to the planner, or take them from it.
+
+use caustic_planner::{Costs, Quality};
+use caustic_renderer::Feature;
+use clap::{Args, ValueEnum};
+
+#[derive(Args)]
+pub struct PlanArguments {
+    /// Says what is modelled and with which settings, and why, a line each.
+    #[arg(long)]
+    pub explain: bool,
+    /// Models what the scene does not need: the picture is the same, and takes longer. Several with commas between them.
+    #[arg(long, value_enum, value_name = "FEATURES", value_delimiter = ',')]
+    pub force: Vec<FeatureArgument>,
+    /// Chooses photons, k, radius, samples and passes for an error (relMSE) of the picture; those that are given stay. --time and --error
+    /// choose them too, for the best picture in this time, or the fastest one with this error.
+    #[arg(long, value_enum, value_name = "Q", conflicts_with = "error")]
+    pub quality: Option<QualityArgument>,
+    /// Whose costs are foreseen: those of this device, measured, or constants, with which the same settings are chosen on every machine.
+    #[arg(long, value_enum, default_value_t)]
+    pub costs: CostsArgument,
+    /// Most memory that the render may take on its device, such as 512MB or 2GiB: what is chosen stays below.
+    #[arg(long, value_name = "BYTES", value_parser = bytes)]
+    pub memory: Option<u64>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum FeatureArgument {
+    /// The caustic map.
+    CausticMap,
+    /// The global map.
+    GlobalMap,
+    /// A tree over the surfaces.
+    Tree,
+    /// Kernels that know everything.
+    FullKernels,
+}
+
+impl From<FeatureArgument> for Feature {
+    fn from(feature: FeatureArgument) -> Self {
+        match feature {
+            FeatureArgument::CausticMap => Self::CausticMap,
+            FeatureArgument::GlobalMap => Self::GlobalMap,
+            FeatureArgument::Tree => Self::Tree,
+            FeatureArgument::FullKernels => Self::FullKernels,
+        }
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum QualityArgument {
+    /// relMSE 0.1: where things are.
+    Draft,
+    /// relMSE 0.02: what it will look like.
+    Preview,
+    /// relMSE 0.005: to be shown.
+    Final,
+    /// relMSE 0.0005: to compare others with.
+    Reference,
+}
+
+impl From<QualityArgument> for Quality {
+    fn from(quality: QualityArgument) -> Self {
+        match quality {
+            QualityArgument::Draft => Self::Draft,
+            QualityArgument::Preview => Self::Preview,
+            QualityArgument::Final => Self::Final,
+            QualityArgument::Reference => Self::Reference,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub enum CostsArgument {
+    /// By small renders on this device, which are kept in the user's folder for caches.
+    #[default]
+    Measured,
+    /// Constants times what small renders count.
+    BuiltIn,
+}
+
+impl From<CostsArgument> for Costs {
+    fn from(costs: CostsArgument) -> Self {
+        match costs {
+            CostsArgument::Measured => Self::Measured,
+            CostsArgument::BuiltIn => Self::BuiltIn,
+        }
+    }
+}
+
+/// A number of bytes with a unit.
+fn bytes(text: &str) -> Result<u64, String> {
+    let wrong = || "it must be a number of bytes with a unit, such as 512MB or 2GiB".to_string();
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let number: f64 = number.parse().map_err(|_| wrong())?;
+    let unit = match unit.to_ascii_lowercase().as_str() {
+        "b" => 1.0,
+        "kb" => 1e3,
+        "mb" => 1e6,
+        "gb" => 1e9,
+        "kib" => 1024.0,
+        "mib" => 1_048_576.0,
+        "gib" => 1_073_741_824.0,
+        _ => return Err(wrong()),
+    };
+    let bytes = number * unit;
+    if (1.0..=1e18).contains(&bytes) { Ok(bytes as u64) } else { Err(wrong()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bytes;
+
+    #[test]
+    fn bytes_have_units() {
+        assert_eq!(bytes("512MB"), Ok(512_000_000));
+        assert_eq!(bytes("1.5GiB"), Ok(1_610_612_736));
+        for wrong in ["512", "MB", "-1MB", "1e9", "0MB", "1XB", "", "1.2.3GB"] {
+            assert!(bytes(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! `caustic tradeoff`.
+
+use crate::Failure;
+use crate::args::TradeoffArguments;
+use crate::command;
+use crate::progress::BenchMonitor;
+use caustic_bench::record;
+use caustic_bench::row::Machine;
+use caustic_device::{Device, DeviceChoice, Precision};
+use caustic_experiments::store::Outcome;
+use caustic_planner::tradeoff::{Case, Event, Point, Store, csv, html, json, points, reference, run as measure, svg};
+use caustic_renderer::scene::Scene;
+use std::path::Path;
+
+/// Share of the bar that the reference has.
+const OF_REFERENCE: f64 = 0.4;
+
+/// Sweeps the settings of a scene and writes a report.
+pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
+    let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
+    let given = (arguments.reference != "auto").then(|| Path::new(&arguments.reference));
+    let folder = &arguments.output;
+    let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
+    let named = named(&arguments.device, &device);
+    let all: Vec<(Case, Point)> = points(&scene, arguments.quick, device.is_gpu())
+        .into_iter()
+        .map(|point| (point.case(&arguments.scene, &named), point))
+        .collect();
+    if arguments.report_only {
+        let nothing = || Failure::input(format!("-o {}: there are no results in this folder", folder.display()));
+        let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
+        return write(folder, &scene, &all, &store);
+    }
+    eprintln!("{line}");
+    let machine = Machine::of(&device);
+    let mut store = Store::open(folder, &machine, arguments.quick, &command::line()).map_err(Failure::input)?;
+    let monitor = BenchMonitor::new();
+    let truth = reference(&scene, &device, arguments.quick, given, folder, &mut |progress| {
+        monitor.begin("reference", OF_REFERENCE * progress.done as f64 / progress.total.max(1) as f64);
+        monitor.goes_on()
+    });
+    let truth = match truth {
+        Ok(truth) => truth,
+        Err(None) => {
+            monitor.finish();
+            return Err(Failure::interrupted_sweep(store.cases().count()));
+        }
+        Err(Some(error)) => return Err(Failure::input(error)),
+    };
+    let fast = device.is_gpu().then(|| Device::open_with(&arguments.device, Precision::Fast).ok()).flatten();
+    let fast = fast.as_ref().map(|(device, _)| device);
+    let complete = measure(&scene, &all, &truth, [Some(&device), fast], &mut store, &mut |event| {
+        match event {
+            Event::Begin(case, done) => monitor.begin(&case.knob, OF_REFERENCE + (1.0 - OF_REFERENCE) * done),
+            Event::Done(case, Outcome::Skipped(reason)) => monitor.print(&format!("{case}: left out, {reason}")),
+            Event::Done(..) => {}
+        }
+        monitor.goes_on()
+    });
+    monitor.finish();
+    let complete = complete.map_err(Failure::machine)?;
+    write(folder, &scene, &all, &store)?;
+    if complete { Ok(()) } else { Err(Failure::interrupted_sweep(store.cases().count())) }
+}
+
+/// The device as commands name it: what `auto` found.
+fn named(asked: &DeviceChoice, device: &Device) -> String {
+    match asked {
+        DeviceChoice::Gpu(Some(which)) => format!("gpu:{which}"),
+        _ => if device.is_gpu() { "gpu" } else { "cpu" }.to_string(),
+    }
+}
+
+/// Writes the report, also of a sweep that was interrupted.
+fn write(folder: &Path, scene: &Scene, points: &[(Case, Point)], store: &Store) -> Result<(), Failure> {
+    let svgs = svg(store, points, &scene.name).map_err(Failure::machine)?;
+    let page = html(store, points, &svgs, &scene.name);
+    let mut files = vec![
+        ("report.html".to_string(), page),
+        ("points.csv".to_string(), csv(store, points)),
+        ("points.json".to_string(), json(store, points)),
+    ];
+    files.extend(svgs);
+    for (name, text) in files {
+        record::write(&folder.join(name), &text).map_err(Failure::machine)?;
+    }
+    println!("wrote {}", folder.join("report.html").display());
+    Ok(())
+}
