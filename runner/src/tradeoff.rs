@@ -32,6 +32,9 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
         return write(folder, &scene, &all, &store);
     }
     eprintln!("{line}");
+    if let Some(path) = given {
+        caustic_metrics::Image::read(path).map_err(|error| Failure::input(format!("--reference: {error}")))?;
+    }
     let machine = Machine::of(&device);
     let mut store = Store::open(folder, &machine, arguments.quick, &command::line()).map_err(Failure::input)?;
     let monitor = BenchMonitor::new();

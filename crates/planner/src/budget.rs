@@ -5,7 +5,7 @@ use crate::survey::{Survey, within};
 use caustic_device::Device;
 use caustic_renderer::scene::CompiledScene;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS};
-use caustic_renderer::{Settings, Stop};
+use caustic_renderer::{ExpectedMap, Settings, Stop};
 
 /// How good a picture shall be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,17 +104,12 @@ pub fn choose(
         let caustic_photons = if given.caustic_photons { settings.caustic_photons } else { caustic };
         for k in pick(given.k, settings.k, &DISCS).into_iter().filter(|&k| k <= MAX_K) {
             let radius = if given.radius { settings.radius } else { within(survey.radius_for(k, photons)) };
+            let tried = Settings { photons, caustic_photons, k, radius, automatic_radius: false, ..settings.clone() };
+            // Their tables are as much work as all the rest.
+            let maps = survey.maps(scene, &tried);
             for spp in pick(given.spp, settings.spp, &SAMPLES) {
-                let tried = Settings {
-                    photons,
-                    caustic_photons,
-                    k,
-                    radius,
-                    automatic_radius: given.radius && settings.automatic_radius,
-                    spp,
-                    ..settings.clone()
-                };
-                let choice = with_passes(survey, scene, tried, &budget, device);
+                let tried = Settings { spp, ..tried.clone() };
+                let choice = with_passes(survey, scene, tried, &budget, device, maps);
                 if best.as_ref().is_none_or(|best| better(&choice, best, &budget)) {
                     best = Some(choice);
                 }
@@ -128,8 +123,15 @@ pub fn choose(
 }
 
 /// With as many passes as the budget allows or needs.
-fn with_passes(survey: &Survey, scene: &CompiledScene, settings: Settings, budget: &Budget, device: &Device) -> Choice {
-    let one = survey.predict(scene, &settings, 1, device);
+fn with_passes(
+    survey: &Survey,
+    scene: &CompiledScene,
+    settings: Settings,
+    budget: &Budget,
+    device: &Device,
+    maps: [ExpectedMap; 2],
+) -> Choice {
+    let one = survey.predict_with(scene, &settings, 1, device, maps);
     let fit = budget.seconds.map(|seconds| ((seconds - survey.setup_s) / one.pass_seconds).floor());
     let needed = budget.error.map(|error| (one.noise / (error - one.bias).max(f64::MIN_POSITIVE)).ceil());
     let passes = match (settings.stop.passes, needed, fit) {
@@ -137,7 +139,7 @@ fn with_passes(survey: &Survey, scene: &CompiledScene, settings: Settings, budge
         (None, Some(needed), _) => needed.clamp(1.0, MAX_PASSES) as u32,
         (None, None, fit) => fit.unwrap_or(1.0).clamp(1.0, MAX_PASSES) as u32,
     };
-    let prediction = survey.predict(scene, &settings, passes, device);
+    let prediction = survey.predict_with(scene, &settings, passes, device, maps);
     let met = budget.seconds.is_none_or(|seconds| prediction.seconds <= seconds)
         && budget.error.is_none_or(|error| prediction.error() <= error)
         && budget.bytes.is_none_or(|bytes| prediction.bytes <= bytes);

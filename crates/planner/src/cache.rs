@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Version of the files.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 struct File {
@@ -62,7 +62,7 @@ fn read(path: &Path, of: &str) -> Option<Survey> {
 
 fn keep(path: &Path, of: &str, survey: &Survey) {
     let file = File { of: of.to_string(), survey: survey.clone() };
-    let Ok(text) = serde_json::to_string_pretty(&file) else { return };
+    let Ok(text) = serde_json::to_string(&file) else { return };
     let kept = path.parent().map(fs::create_dir_all).transpose();
     // A cache that cannot be written is no cache, and no harm.
     let _ = kept.map_err(|error| error.to_string()).and_then(|_| caustic_bench::record::write(path, &text));
@@ -95,8 +95,7 @@ mod tests {
         let survey = Survey {
             emitted: [1.0, 2.0],
             stored: [0.5; 2],
-            tables: [3.0; 2],
-            most_entries: 4.0,
+            positions: [vec![[0.1, 0.2, 0.3]], Vec::new()],
             k: [1.0, 4.0, 16.0],
             radius: 0.1,
             setup_s: 0.25,

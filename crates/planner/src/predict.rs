@@ -1,8 +1,8 @@
 //! From a survey to the time, memory, noise and bias of a render.
 
-use crate::survey::{Survey, full_table};
+use crate::survey::{Survey, within};
 use caustic_device::Device;
-use caustic_photon_map::Hash;
+use caustic_photon_map::{MapOptions, plan_grid};
 use caustic_renderer::scene::CompiledScene;
 use caustic_renderer::{ExpectedMap, Feature, Integrator, Settings, decide, peak_bytes};
 use serde::Serialize;
@@ -50,7 +50,18 @@ impl Survey {
     /// Predicts a render of the scene that was surveyed, with `passes` passes.
     #[must_use]
     pub fn predict(&self, scene: &CompiledScene, settings: &Settings, passes: u32, device: &Device) -> Prediction {
-        let maps = self.maps(scene, settings);
+        self.predict_with(scene, settings, passes, device, self.maps(scene, settings))
+    }
+
+    /// [`predict`](Self::predict) for maps that are known.
+    pub(crate) fn predict_with(
+        &self,
+        scene: &CompiledScene,
+        settings: &Settings,
+        passes: u32,
+        device: &Device,
+        maps: [ExpectedMap; 2],
+    ) -> Prediction {
         let samples = f64::from(settings.size[0]) * f64::from(settings.size[1]) * f64::from(settings.spp);
         let fixed = self.image_s
             + (0..2)
@@ -82,7 +93,8 @@ impl Survey {
     }
 
     /// The maps that such a render has.
-    fn maps(&self, scene: &CompiledScene, settings: &Settings) -> [ExpectedMap; 2] {
+    #[must_use]
+    pub fn maps(&self, scene: &CompiledScene, settings: &Settings) -> [ExpectedMap; 2] {
         let decisions = decide(scene, settings);
         let modelled = |feature| decisions.iter().any(|one| one.feature == feature && one.modelled);
         let of = [(Feature::GlobalMap, settings.photons), (Feature::CausticMap, settings.caustic_photons)];
@@ -93,26 +105,21 @@ impl Survey {
             }
             let emitted = f64::from(photons);
             let stored = emitted * self.stored[i];
-            ExpectedMap { emitted, stored, table: self.table(i, emitted, settings) }
+            ExpectedMap { emitted, stored, table: self.table(i, stored, scene, settings) }
         })
     }
 
-    /// Entries of a table for so many photons. Cells of a surface shrink with the root of its photons, and there are as many more of them along
-    /// each of three axes.
-    fn table(&self, i: usize, emitted: f64, settings: &Settings) -> f64 {
-        if self.emitted[i] == 0.0 {
-            return 0.0;
-        }
-        let more = emitted / self.emitted[i];
-        match settings.hash {
-            Hash::Linear | Hash::Auto => {
-                // A table that has nearly all it may have has been held back.
-                let held_back = self.tables[i] > 0.6 * self.most_entries;
-                let entries = if held_back { self.most_entries } else { self.tables[i] };
-                (entries * more.powf(1.5)).min(full_table(settings))
-            }
-            _ => settings.table.map_or(self.tables[i] * more, f64::from),
-        }
+    /// Entries of a table for so many photons: those of the grid that a map would have.
+    fn table(&self, i: usize, stored: f64, scene: &CompiledScene, settings: &Settings) -> f64 {
+        let (low, high) = scene.diffuse_bounds;
+        let radius = match settings.automatic_radius {
+            true => within(self.radius_for(settings.k, settings.photons)),
+            false => settings.radius,
+        };
+        let options = MapOptions { radius, hash: settings.hash, table: settings.table, cell: None };
+        // What cannot be a grid cannot be rendered, and the render says why.
+        let grid = plan_grid(low, high, stored as u64, &self.positions[i], &options);
+        grid.map_or(0.0, |grid| f64::from(grid.table))
     }
 
     /// The part of a first disc that a pass has: those of progressive passes shrink (Knaus and Zwicker 2011, equation 15).
@@ -183,8 +190,7 @@ mod tests {
         Survey {
             emitted: [1e4, 0.0],
             stored: [1.0, 0.0],
-            tables: [1e3, 0.0],
-            most_entries: 1e6,
+            positions: [Vec::new(), Vec::new()],
             k: [10.0, 40.0, 160.0],
             radius: 0.1,
             setup_s: 0.5,

@@ -9,7 +9,7 @@ use caustic_device::Device;
 use caustic_photon_map::{Hash, MAX_K, RADII};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_SIDE;
-use caustic_renderer::{RenderError, Settings};
+use caustic_renderer::{Integrator, PhotonFile, RenderError, Settings};
 use serde::{Deserialize, Serialize};
 
 pub use crate::pilot::Costs;
@@ -24,6 +24,8 @@ const GPU_PIXELS: f64 = 131_072.0;
 const SPP: u32 = 4;
 /// How much smaller the smallest render is.
 const TINY: f64 = 8.0;
+/// Positions of photons that are kept of a map.
+const POSITIONS: usize = 2048;
 /// Ratio of the numbers of photons in a disc.
 const STEP: u32 = 4;
 /// Seeds of small renders: of no picture that anyone asks for.
@@ -62,10 +64,8 @@ pub struct Survey {
     pub emitted: [f64; 2],
     /// Photons stored for each that is emitted.
     pub stored: [f64; 2],
-    /// Entries of the maps' tables.
-    pub tables: [f64; 2],
-    /// Most entries that they were allowed.
-    pub most_entries: f64,
+    /// Where some photons of each map lie, m: how they crowd says how large a table is.
+    pub positions: [Vec<[f32; 3]>; 2],
     /// The three numbers of photons in a disc.
     pub k: [f64; 3],
     /// Largest radius of the middle one, m.
@@ -114,7 +114,8 @@ impl Survey {
         }
         small.automatic_radius = false;
         // Cells that are as wide beside a disc: the full tables' limit, of cells as many times wider along three axes.
-        let cells = |shrunk: f64| Some((full_table(settings) / shrunk.powf(1.5)).clamp(1.0, MAX_CELLS) as u32);
+        let most = settings.table.map_or(MAX_CELLS, f64::from);
+        let cells = |shrunk: f64| Some((most / shrunk.powf(1.5)).clamp(1.0, MAX_CELLS) as u32);
         let scatters = settings.hash != Hash::Auto && settings.hash != Hash::Linear;
         small.table = if scatters { settings.table } else { cells(shrunk) };
         let tiny = {
@@ -125,6 +126,7 @@ impl Survey {
             let table = if scatters { settings.table } else { cells(shrunk * TINY) };
             Settings { photons, caustic_photons, size, radius, table, ..small.clone() }
         };
+        let positions = positions(scene, &small, device, go_on)?;
         // The first one waits for the driver to compile, and for memory.
         pilot(scene, &Settings { seed: SEEDS[0], ..tiny.clone() }, device, costs, go_on)?;
         let few = pilot(scene, &Settings { seed: SEEDS[1], ..tiny.clone() }, device, costs, go_on)?;
@@ -136,16 +138,29 @@ impl Survey {
             let [a, b] = of_seed;
             pilots.push([a?, b?]);
         }
-        Ok(conclude(&few, &pilots, [&tiny, &small], discs))
+        Ok(conclude(&few, &pilots, [&tiny, &small], discs, positions))
     }
 }
 
 /// Most entries of a linear table: `photon-map` makes cells wider rather than have more.
 const MAX_CELLS: f64 = 16_777_216.0;
 
-/// Most entries of a table of a render.
-pub(crate) fn full_table(settings: &Settings) -> f64 {
-    settings.table.map_or(MAX_CELLS, f64::from)
+/// Where the first photons of each map lie.
+fn positions(
+    scene: &Scene,
+    small: &Settings,
+    device: &Device,
+    go_on: &mut dyn FnMut() -> bool,
+) -> Result<[Vec<[f32; 3]>; 2], RenderError> {
+    let mut positions = [Vec::new(), Vec::new()];
+    if matches!(small.integrator, Integrator::Photon | Integrator::Progressive) {
+        let traced = PhotonFile::trace(scene, small, device, &mut |_| go_on())?;
+        for (map, photons) in traced.header.maps.iter().zip(&traced.photons) {
+            let of = usize::from(map.map == "caustic");
+            positions[of] = photons.iter().take(POSITIONS).map(|photon| photon.position).collect();
+        }
+    }
+    Ok(positions)
 }
 
 /// The settings of the small renders.
@@ -195,7 +210,13 @@ pub(crate) fn within(radius: f64) -> f32 {
 }
 
 /// What is to be learnt from small renders: one of `tiny` settings, and pairs of `small` ones for each number of photons in a disc.
-fn conclude(few: &Pilot, pilots: &[[Pilot; 2]], [tiny, small]: [&Settings; 2], discs: [u32; 3]) -> Survey {
+fn conclude(
+    few: &Pilot,
+    pilots: &[[Pilot; 2]],
+    [tiny, small]: [&Settings; 2],
+    discs: [u32; 3],
+    positions: [Vec<[f32; 3]>; 2],
+) -> Survey {
     let all = || pilots.iter().flatten();
     let middle = |of: &dyn Fn(&Pilot) -> f64| median(all().map(of).collect());
     let samples =
@@ -219,8 +240,7 @@ fn conclude(few: &Pilot, pilots: &[[Pilot; 2]], [tiny, small]: [&Settings; 2], d
     Survey {
         emitted: maps.map(|map| map[0]),
         stored: maps.map(|[emitted, stored, _]| if emitted > 0.0 { stored / emitted } else { 0.0 }),
-        tables: maps.map(|map| map[2]),
-        most_entries: full_table(small),
+        positions,
         k: discs.map(f64::from),
         radius: f64::from(small.radius),
         setup_s: middle(&|pilot| pilot.setup_s),

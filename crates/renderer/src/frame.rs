@@ -5,7 +5,7 @@ use crate::ledger;
 use crate::output::LayerKind;
 use crate::pace::Pace;
 use crate::photon_file::PhotonFile;
-use crate::photons::{PassKind, photon_map};
+use crate::photons::{PassKind, photon_map, trace};
 use crate::report::{MapReport, Progress};
 use crate::scene::{CompiledScene, Scene};
 use crate::work::WorkUnit;
@@ -23,6 +23,9 @@ use caustic_photon_map::{PhotonMap, Seen};
 pub(crate) const CPU_SAMPLES: u32 = 1 << 17;
 const GPU_FIRST_SAMPLES: u32 = 1 << 19;
 pub(crate) const GPU_SAMPLES: u32 = 1 << 21;
+
+/// Photons that look for light where there is no global map.
+const FEW_PHOTONS: u32 = 4096;
 
 /// What passes of a picture share.
 pub(crate) struct Frame<'a> {
@@ -84,6 +87,9 @@ impl<'a> Frame<'a> {
     ) -> Result<Maps, RenderError> {
         let mut said = Said::default();
         let [global, caustic] = PassKind::of(self.settings, self.compiled);
+        if global.is_none() && self.settings.parts() & PART_GLOBAL != 0 {
+            self.look_for_light(seed, progress)?;
+        }
         let global = self.map(global, seed, radius, &mut said, progress)?;
         let caustic = self.map(caustic, seed, radius, &mut said, progress)?;
         // What is left out though the picture would have it.
@@ -94,6 +100,19 @@ impl<'a> Frame<'a> {
             }
         }
         Ok(Maps { seed, global, caustic, said })
+    }
+
+    /// Refuses a scene whose lights reach nothing, as its global map would if it had one: by a few photons, and by all where these are lost.
+    fn look_for_light(&self, seed: u32, progress: &mut dyn FnMut(Progress) -> bool) -> Result<(), RenderError> {
+        let Settings { photons, show, .. } = *self.settings;
+        let mut look = |photons| {
+            let kind = PassKind::global(photons, show, false);
+            trace(self.device, self.compiled, self.buffers, seed, &kind, progress).map(|_| ())
+        };
+        match look(photons.min(FEW_PHOTONS)) {
+            Err(RenderError::NoPhotons { .. }) if photons > FEW_PHOTONS => look(photons),
+            looked => looked,
+        }
     }
 
     fn map(
