@@ -256,6 +256,10 @@ pub struct MapArguments {
     /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
     #[arg(long, value_name = "D", default_value = "auto")]
     pub device: DeviceChoice,
+    /// Memory to stay within, such as 4GB or 900MiB: photons are drawn, mapped and searched in chunks that fit, with the same neighbours. Times
+    /// are then those of all of it, once.
+    #[arg(long, value_name = "BYTES", value_parser = bytes, conflicts_with = "repeat")]
+    pub memory: Option<u64>,
     /// Times to repeat; the median counts.
     #[arg(long, value_name = "N", default_value = "5", value_parser = whole(1, 1000), allow_negative_numbers = true)]
     pub repeat: u32,
@@ -389,6 +393,23 @@ fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone 
         let number = text.parse::<u32>().ok().filter(|number| (least..=most).contains(number));
         number.ok_or_else(|| format!("it must be a whole number from {least} to {most}"))
     }
+}
+
+/// A number of bytes with a unit.
+fn bytes(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, u64); 6] = [
+        ("MiB", 1 << 20),
+        ("GiB", 1 << 30),
+        ("TiB", 1 << 40),
+        ("MB", 1_000_000),
+        ("GB", 1_000_000_000),
+        ("TB", 1_000_000_000_000),
+    ];
+    let parsed = UNITS.iter().find_map(|(unit, size)| {
+        let number = text.strip_suffix(unit)?.trim().parse::<f64>().ok()?;
+        (number > 0.0 && number < 1e6).then_some((number * *size as f64) as u64)
+    });
+    parsed.ok_or_else(|| "it must be a number with MB, GB, TB, MiB, GiB or TiB, such as 4GB".to_string())
 }
 
 fn radius(text: &str) -> Result<f32, String> {

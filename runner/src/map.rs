@@ -1,5 +1,7 @@
 //! `caustic map`: a photon map without a picture.
 
+mod streamed;
+
 use crate::Failure;
 use crate::args::MapArguments;
 use crate::progress::Monitor;
@@ -18,7 +20,10 @@ const CHECKED: usize = 64;
 
 /// Builds, searches, checks and reports.
 pub fn run(arguments: &MapArguments) -> Result<(), Failure> {
-    let source = Source::parse(&arguments.photons)?;
+    let source = Source::parse(&arguments.photons, arguments.memory.is_some())?;
+    if let Some(memory) = arguments.memory {
+        return streamed::run(arguments, &source, memory);
+    }
     let (photons, queries) = source.draw(arguments.k, arguments.queries)?;
     let radius = arguments.radius.unwrap_or_else(|| source.radius(photons.len(), arguments.k));
     let options = MapOptions { radius, hash: arguments.hash.into(), table: None, cell: None };
@@ -160,10 +165,14 @@ enum Source {
 }
 
 impl Source {
-    fn parse(text: &str) -> Result<Self, Failure> {
+    fn parse(text: &str, streamed: bool) -> Result<Self, Failure> {
+        let most = if streamed { u32::MAX } else { 1 << 28 };
         let number = |n: &str| {
-            let number = n.parse::<u32>().ok().filter(|n| (1..=1 << 28).contains(n));
-            number.ok_or_else(|| Failure::input(format!("--photons {text}: the number must be 1 to {}", 1 << 28)))
+            let number = n.parse::<u32>().ok().filter(|n| (1..=most).contains(n));
+            number.ok_or_else(|| {
+                let more = if streamed { "" } else { "; --memory allows more" };
+                Failure::input(format!("--photons {text}: the number must be 1 to {most}{more}"))
+            })
         };
         match text.split_once(':') {
             Some(("uniform", n)) => Ok(Self::Drawn(Distribution::Uniform, number(n)?)),

@@ -5,6 +5,7 @@ use caustic_kernels::num::{Rng, pcg4d};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Stream of the photons' positions.
 const PHOTONS: u32 = 0;
@@ -81,11 +82,17 @@ impl Points {
     /// `n` photons, of powers from 0.5 to 1.5 so that an estimate shows which of them it took.
     #[must_use]
     pub fn photons(&self, n: u32) -> Vec<Photon> {
+        self.photons_of(0..n)
+    }
+
+    /// The photons of these indices.
+    #[must_use]
+    pub fn photons_of(&self, indices: Range<u32>) -> Vec<Photon> {
         let photon = |index| {
             let [r, g, b, _] = Rng { seed: 0, stream: POWERS, index }.draw4(0);
             Photon { position: self.photon(index), power: [r, g, b].map(|u| 0.5 + u), ..Photon::default() }
         };
-        (0..n).into_par_iter().map(photon).collect()
+        indices.into_par_iter().map(photon).collect()
     }
 
     /// `n` queries.

@@ -23,6 +23,7 @@ mod health;
 mod map;
 mod options;
 mod sort;
+mod streamed;
 
 pub use error::MapError;
 pub use grid::{MAX_TABLE, RADII, bounds, plan_grid, rows};
@@ -30,3 +31,4 @@ pub use health::Health;
 pub use map::{Estimate, Filter, Neighbours, PhotonMap, Seen, Surface, query_count, sample, whole};
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use sort::{RadixSort, scan};
+pub use streamed::NearestStreamed;

@@ -159,7 +159,7 @@ impl ProgressState {
     }
 
     /// The first unit that two states both hold.
-    pub(crate) fn overlap(&self, other: &Self) -> Option<WorkUnit> {
+    fn overlap(&self, other: &Self) -> Option<WorkUnit> {
         let pixels = self.pixels() as u32;
         let spans = |state: &Self| -> Vec<(u32, u32, u32, u32)> {
             let nodes = state.nodes.iter().map(|node| (node.first, node.end(), 0, pixels));
@@ -176,11 +176,34 @@ impl ProgressState {
         })
     }
 
-    /// Adds all units of another state of the same picture, of which none may be here.
-    pub(crate) fn absorb(&mut self, other: Self) {
+    /// One pass of a picture without layers, from its pixels.
+    ///
+    /// # Panics
+    /// If there are not as many pixels as the size says.
+    #[must_use]
+    pub fn of_pass(size: [u32; 2], first_radius: f32, pass: u32, film: &[Pixel]) -> Self {
+        let mut state = Self::new(size, first_radius, false);
+        assert_eq!(film.len(), state.pixels(), "the pixels of the pass");
+        state.add(Piece::new(WorkUnit { pass, first_pixel: 0, pixels: film.len() as u32 }, film, &[], 0));
+        state
+    }
+
+    /// Adds all units of another state of the same picture.
+    ///
+    /// # Errors
+    /// The first unit that both have. Nothing is added then.
+    ///
+    /// # Panics
+    /// If the pictures differ in size or in whether they have layers.
+    pub fn absorb(&mut self, other: Self) -> Result<(), WorkUnit> {
+        assert_eq!((self.size, self.has_layers), (other.size, other.has_layers), "states of one picture");
+        if let Some(unit) = self.overlap(&other) {
+            return Err(unit);
+        }
         self.counts += other.counts;
         other.nodes.into_iter().for_each(|node| self.place(node));
         other.pieces.into_iter().for_each(|piece| self.add(piece));
+        Ok(())
     }
 
     /// What of so many passes is not there, in words; nothing if all is.
@@ -386,10 +409,7 @@ mod tests {
                     three[pcg4d([pass, seed, 2, 0])[0] as usize % 3].add(piece(pass, values[pass as usize]));
                 }
                 let mut merged = ProgressState::new([2, 1], 0.1, false);
-                for state in three {
-                    assert_eq!(merged.overlap(&state), None);
-                    merged.absorb(state);
-                }
+                three.into_iter().for_each(|state| merged.absorb(state).unwrap());
                 assert!(merged == expected, "{count} passes of three");
             }
         }
@@ -413,12 +433,11 @@ mod tests {
         assert!(state.done().has(&tile(1, 5.0).unit) && !state.done().has(&tile(0, 0.0).unit));
         let mut other = ProgressState::new([2, 1], 0.1, false);
         other.add(tile(0, 4.0));
-        assert_eq!(state.overlap(&other), None);
-        assert_eq!(state.overlap(&state), Some(tile(1, 0.0).unit));
-        other.absorb(state.clone());
+        assert_eq!(state.clone().absorb(state.clone()), Err(tile(1, 0.0).unit));
+        other.absorb(state.clone()).unwrap();
         assert_eq!((other.passes(), other.photons(), other.counts.rays), (1, 10, 2));
         assert_eq!(other.image().rgb, [[4.0; 3], [5.0; 3]]);
-        assert_eq!(other.overlap(&state), Some(tile(1, 0.0).unit));
+        assert_eq!(other.absorb(state), Err(tile(1, 0.0).unit));
         assert_eq!(other.missing(1), [""; 0]);
     }
 

@@ -144,11 +144,10 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged, MergeError> {
             let (path, first) = (path.clone(), paths[0].clone());
             return Err(MergeError::Different { path, first, name, found, expected });
         }
-        if let Some(unit) = sum.overlap(&state) {
+        if let Err(unit) = sum.absorb(state) {
             let (path, part) = (path.clone(), about.part);
             return Err(MergeError::Duplicate { path, part, pass: unit.pass, pixel: unit.first_pixel });
         }
-        sum.absorb(state);
     }
     let Some((_, about, state)) = merged else { return Err(MergeError::Nothing) };
     let missing = state.missing(about.passes);
