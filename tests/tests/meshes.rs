@@ -63,10 +63,10 @@ fn compare(scene: &CompiledScene, rays: u32, seed: u32) -> (u32, u32) {
             continue;
         }
         let expected = linear(origin, direction, &scene.primitives);
-        let found = closest::<true>(&scene, &scene.nodes, origin, direction);
+        let found = closest::<true>(scene, &scene.nodes, origin, direction);
         differ += u32::from((found.t.to_bits(), found.primitive) != (expected.t.to_bits(), expected.primitive));
         let distance = expected.t.min(side) * 0.999;
-        let in_shadow = shadow::<true>(&scene, &scene.nodes, [origin, direction], distance, u32::MAX);
+        let in_shadow = shadow::<true>(scene, &scene.nodes, [origin, direction], distance, u32::MAX);
         let blocked = scene.primitives.iter().any(|primitive| {
             let t = caustic_kernels::trace::intersect(origin, direction, primitive);
             t > 0.0 && t < distance
