@@ -124,6 +124,7 @@ fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile
         surface: arguments.how.surface.into(),
         alpha: arguments.how.alpha,
         final_gather: arguments.how.final_gather,
+        keep: arguments.how.keep.into(),
         stop: arguments.how.stop(),
         layers: wanted_layers(arguments),
         health: arguments.json,

@@ -5,8 +5,8 @@
 //! the disk and renamed, so that there is always a whole one: whenever the program is killed, at most the pass in flight is lost.
 
 use crate::accumulate::{LAYER_WORDS, ProgressState};
-use crate::output::OutputError;
 use crate::output::place;
+use crate::output::{LayerKind, OutputError};
 use crate::scene::{Scene, hex};
 use crate::{Integrator, Settings};
 use sha2::{Digest, Sha256};
@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// First line of a file.
-const VERSION: &[u8] = b"caustic checkpoint 1\n";
+const VERSION: &[u8] = b"caustic checkpoint 2\n";
 /// Bytes of a SHA-256.
 const SUM: usize = 32;
 
@@ -212,6 +212,12 @@ fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(String, Str
     let [width, height] = settings.size;
     let camera = hex(&Sha256::digest(bytemuck::bytes_of(&scene.camera(width, height))));
     let radius = if settings.automatic_radius { "auto".to_string() } else { settings.radius.to_string() };
+    // Those that are not asked for are zeros or means of other things: they cannot be had later.
+    let layers = match (settings.needs_layers(), settings.layers.contains(&LayerKind::Bias)) {
+        (false, _) => "none",
+        (true, false) => "some",
+        (true, true) => "with bias",
+    };
     let mut identity = vec![
         ("version", env!("CARGO_PKG_VERSION").to_string()),
         ("precision", if exact { "exact" } else { "fast" }.to_string()),
@@ -222,7 +228,7 @@ fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(String, Str
         ("integrator", format!("{:?}", settings.integrator).to_lowercase()),
         ("show", format!("{:?}", settings.show).to_lowercase()),
         ("spp", settings.spp.to_string()),
-        ("layers", if settings.needs_layers() { "some" } else { "none" }.to_string()),
+        ("layers", layers.to_string()),
     ];
     if matches!(settings.integrator, Integrator::Photon | Integrator::Progressive) {
         identity.extend([

@@ -29,5 +29,5 @@ pub use passes::{View, trace_photons};
 pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError};
 pub use render::{Given, Rendered, render, render_on};
 pub use report::{MapReport, Progress, RenderReport};
-pub use settings::{DEFAULT_PASSES, Integrator, MAX_FINAL_GATHER, MAX_PASSES, MAX_PIXELS, Settings, Show, Stop};
+pub use settings::{DEFAULT_PASSES, Integrator, Keep, MAX_FINAL_GATHER, MAX_PASSES, MAX_PIXELS, Settings, Show, Stop};
 pub use verify::{ImageComparison, Verification, verify};
