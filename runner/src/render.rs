@@ -229,6 +229,7 @@ pub fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&Photon
         surface: arguments.how.surface.into(),
         alpha: arguments.how.alpha,
         final_gather: arguments.how.final_gather,
+        keep: arguments.how.keep.into(),
         stop: arguments.how.stop(),
         layers: wanted_layers(arguments),
         forced: arguments.plan.force.iter().map(|&feature| feature.into()).collect(),

@@ -65,60 +65,6 @@ fn paths_below_a_point_light_are_the_closed_form() {
     assert!(error.abs() < 4.0 * se + 1e-4, "{error} ± {se}");
 }
 
-/// Photon maps and paths share nothing but rays and materials: what they say of a scene differs by noise, and by a bias that
-/// shrinks with the radius. It moves light about and hardly changes its sum, so that it shows pixel by pixel.
-#[test]
-fn photon_maps_and_paths_agree_on_cornell() {
-    const SEEDS: u32 = 6;
-    let scene = load("cornell");
-    let base = Settings { size: [24, 24], ..Settings::of(&scene) };
-    let pictures = |settings: &Settings, first: u32| -> Vec<Image> {
-        (first..first + SEEDS)
-            .map(|seed| image(&scene, &Settings { seed, ..settings.clone() }, &Device::cpu()))
-            .collect()
-    };
-    let paths = pictures(&Settings { integrator: Integrator::Path, spp: 256, ..base.clone() }, 0);
-    let maps = |radius: f32| {
-        let settings = Settings {
-            integrator: Integrator::Progressive,
-            surface: Surface::Own,
-            photons: 30_000,
-            caustic_photons: 10_000,
-            spp: 16,
-            radius,
-            stop: passes(4),
-            ..base.clone()
-        };
-        pictures(&settings, 100)
-    };
-    let (sharp, blurred) = (maps(0.06), maps(0.5));
-    let mean_of = |pictures: &[Image], c: usize| {
-        mean_and_error(&pictures.iter().map(|picture| mean_rgb(picture)[c]).collect::<Vec<_>>())
-    };
-    for c in 0..3 {
-        let ((truth, se), (found, error)) = (mean_of(&paths, c), mean_of(&sharp, c));
-        let z = (found - truth) / se.hypot(error);
-        println!("channel {c}: paths {truth:.5} ± {se:.5}, maps {found:.5} ± {error:.5}, z = {z:.2}");
-        // Half a percent is what a radius of 6 cm may change of the whole.
-        assert!((found - truth).abs() < 4.0 * se.hypot(error) + 0.005 * truth, "channel {c}: z = {z}");
-    }
-    // (Difference of the means)² less the variances of both means: the squared bias, without bias itself.
-    let bias2 = |pictures: &[Image]| {
-        let values = |pictures: &[Image], at: usize| {
-            mean_and_error(&pictures.iter().map(|picture| f64::from(floats(picture)[at])).collect::<Vec<_>>())
-        };
-        let of = |at: usize| {
-            let ((a, a_error), (b, b_error)) = (values(&paths, at), values(pictures, at));
-            (a - b).powi(2) - a_error.powi(2) - b_error.powi(2)
-        };
-        let count = floats(&paths[0]).len();
-        (0..count).map(of).sum::<f64>() / count as f64
-    };
-    let (small, large) = (bias2(&sharp), bias2(&blurred));
-    println!("squared bias at 0.06 m {small:.2e}, at 0.5 m {large:.2e}");
-    assert!(large > 2.0 * small.abs(), "the bias does not shrink with the radius: {small} and {large}");
-}
-
 /// Mean squared error of progressive renders of the point light's plane after some passes, against the closed form.
 fn mse(alpha: f32, passes_wanted: [u32; 2]) -> [f64; 2] {
     const SIDE: u32 = 24;

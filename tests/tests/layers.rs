@@ -127,7 +127,7 @@ fn layers_that_a_picture_does_not_have_are_refused() {
         (Show::Direct, LayerKind::Radius),
         (Show::MapCaustic, LayerKind::Direct),
         (Show::Beauty, LayerKind::Variance),
-        (Show::Beauty, LayerKind::Bias),
+        (Show::Direct, LayerKind::Bias),
     ] {
         let settings = Settings { show, layers: vec![layer], ..small(&scene) };
         assert!(matches!(settings.validate(), Err(RenderError::NoLayer { .. })), "{show:?} {layer:?}");

@@ -72,7 +72,7 @@ records! {
     Vertex: "fffuffffffuf",
     FilmTile: "uuuu",
     GatherTile: "uuuuu",
-    LayerPixel: "ffffffffffffffffffff",
+    LayerPixel: "fffffffffffffffffffffff",
     Pixel: "fffuuuuu",
     // Bits of operands and results, NaN among them.
     Arithmetic: "uuuuuuuuuuuuuuuuuuu",

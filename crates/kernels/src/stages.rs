@@ -56,6 +56,16 @@ macro_rules! stages {
             each HashQueries = hash_queries [256] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 keys: Out u32
             ) = grid::hash_queries;
+            each MarkCells = mark_cells [256] (
+                0 grid: One Grid, 1 begins: In u32, 2 seen: InOut u32
+            ) = grid::mark_cells;
+            each SeePhotons = see_photons [256] (
+                0 grid: One Grid, 1 seen: In u32, 2 photons: In Photon, 3 near: Out u32
+            ) = grid::see_photons;
+            each KeepPhotons = keep_photons [256] (
+                0 grid: One Grid, 1 photons: In Photon, 2 near: In u32, 3 offsets: In u32, 4 block_offsets: In u32,
+                5 kept: Out Photon
+            ) = grid::keep_photons;
 
             columns(Columns) IrradianceHistogram = irradiance_histogram [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
@@ -358,7 +368,7 @@ macro_rules! stages {
             each DevelopLayers = develop_layers [64] (
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
                 4 caustic: In Irradiance, 5 global_reach: In Reach, 6 caustic_reach: In Reach,
-                7 layers: Out LayerPixel
+                7 global_half: In Irradiance, 8 caustic_half: In Irradiance, 9 layers: Out LayerPixel
             ) = trace::develop_layers;
 
             each ProbeArithmetic = probe_arithmetic [64] (

@@ -22,6 +22,7 @@ mod grid;
 mod health;
 mod map;
 mod options;
+mod seen;
 mod sort;
 mod streamed;
 
@@ -30,5 +31,6 @@ pub use grid::{MAX_TABLE, RADII, bounds, plan_grid, rows};
 pub use health::Health;
 pub use map::{Estimate, Filter, Neighbours, PhotonMap, Seen, Surface, query_count, sample, whole};
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
+pub use seen::SeenCells;
 pub use sort::{RadixSort, scan};
 pub use streamed::NearestStreamed;

@@ -13,6 +13,7 @@ use caustic_kernels::grid::{BEGINS_BLOCK, GRID_BLOCK, Grid, HASH_LINEAR, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 
 /// A photon map on a device.
+#[derive(Clone)]
 pub struct PhotonMap {
     grid: Grid,
     grid_buffer: Buffer,
@@ -108,6 +109,16 @@ impl PhotonMap {
         let map = Self::plan(device, &mut plan, &unsorted, grid)?;
         device.run(&plan)?;
         Ok(map)
+    }
+
+    /// The same map with half the largest squared radius: its discs have half the area.
+    ///
+    /// # Errors
+    /// [`MapError::Device`].
+    pub fn halved(&self, device: &Device) -> Result<Self, MapError> {
+        let grid = Grid { radius2: 0.5 * self.grid.radius2, ..self.grid };
+        // Rows of cells for the larger radius are more than enough: a search ends where they are too far.
+        Ok(Self { grid, grid_buffer: device.upload("map: grid", &[grid])?, ..self.clone() })
     }
 
     /// The grid of the map.
@@ -290,7 +301,7 @@ struct Search {
 }
 
 /// Bits of the table entries.
-fn key_bits(grid: &Grid) -> u32 {
+pub(crate) fn key_bits(grid: &Grid) -> u32 {
     u32::BITS - (grid.table - 1).leading_zeros()
 }
 

@@ -1,8 +1,8 @@
 //! Passes in a file, to go on from: whenever the program is killed, at most the units in flight are lost.
 
 use crate::ProgressState;
-use crate::output::OutputError;
 use crate::output::place;
+use crate::output::{LayerKind, OutputError};
 use crate::scene::{Scene, hex};
 use crate::state_file::{self, Fault};
 use crate::{Integrator, Settings};
@@ -141,6 +141,12 @@ pub(crate) fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(
     let [width, height] = settings.size;
     let camera = hex(&Sha256::digest(bytemuck::bytes_of(&scene.camera(width, height))));
     let radius = if settings.automatic_radius { "auto".to_string() } else { settings.radius.to_string() };
+    // Those that are not asked for are zeros or means of other things: they cannot be had later.
+    let layers = match (settings.needs_layers(), settings.layers.contains(&LayerKind::Bias)) {
+        (false, _) => "none",
+        (true, false) => "some",
+        (true, true) => "with bias",
+    };
     let mut identity = vec![
         ("version", env!("CARGO_PKG_VERSION").to_string()),
         ("precision", if exact { "exact" } else { "fast" }.to_string()),
@@ -151,7 +157,7 @@ pub(crate) fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(
         ("integrator", format!("{:?}", settings.integrator).to_lowercase()),
         ("show", format!("{:?}", settings.show).to_lowercase()),
         ("spp", settings.spp.to_string()),
-        ("layers", if settings.needs_layers() { "some" } else { "none" }.to_string()),
+        ("layers", layers.to_string()),
     ];
     if matches!(settings.integrator, Integrator::Photon | Integrator::Progressive) {
         identity.extend([

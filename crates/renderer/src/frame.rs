@@ -9,15 +9,15 @@ use crate::photons::{PassKind, photon_map, trace};
 use crate::report::{MapReport, Progress};
 use crate::scene::{CompiledScene, Scene};
 use crate::work::WorkUnit;
-use crate::{Feature, Integrator, RenderError, Settings, decide};
+use crate::{Feature, Integrator, Keep, RenderError, Settings, decide};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::Reach;
 use caustic_kernels::layout::{Irradiance, Query};
 use caustic_kernels::trace::{
-    Camera, CameraTile, FilmTile, GatherTile, LayerPixel, MAX_BOUNCES, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL,
-    PART_REACH, Pixel, Vertex,
+    Camera, CameraTile, FilmTile, GatherTile, LayerPixel, MAX_BOUNCES, PART_BIAS, PART_CAUSTIC, PART_DIRECT,
+    PART_GLOBAL, PART_REACH, Pixel, Vertex,
 };
-use caustic_photon_map::{PhotonMap, Seen};
+use caustic_photon_map::{Estimate, PhotonMap, Seen, SeenCells};
 
 /// Camera samples of one tile: the unit of progress. A GPU needs more of them to be busy; it begins with a part of that.
 pub(crate) const CPU_SAMPLES: u32 = 1 << 17;
@@ -90,8 +90,10 @@ impl<'a> Frame<'a> {
         if global.is_none() && self.settings.parts() & PART_GLOBAL != 0 {
             self.look_for_light(seed, progress)?;
         }
-        let global = self.map(global, seed, radius, &mut said, progress)?;
-        let caustic = self.map(caustic, seed, radius, &mut said, progress)?;
+        let guided = self.settings.keep == Keep::Visible && (global.is_some() || caustic.is_some());
+        let seen = if guided { Some(self.look(seed, radius, progress)?) } else { None };
+        let global = self.map(global, seed, radius, seen.as_ref(), &mut said, progress)?;
+        let caustic = self.map(caustic, seed, radius, seen.as_ref(), &mut said, progress)?;
         // What is left out though the picture would have it.
         let parts = [(Feature::GlobalMap, PART_GLOBAL), (Feature::CausticMap, PART_CAUSTIC)];
         for one in decide(self.compiled, self.settings).iter().filter(|one| !one.modelled) {
@@ -120,15 +122,20 @@ impl<'a> Frame<'a> {
         kind: Option<PassKind>,
         seed: u32,
         radius: f32,
+        seen: Option<&SeenCells>,
         said: &mut Said,
         progress: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Option<PhotonMap>, RenderError> {
         let Some(kind) = kind else { return Ok(None) };
         let Self { device, compiled, buffers, settings, .. } = *self;
         let settings = Settings { seed, radius, ..settings.clone() };
-        let (map, report) = photon_map(device, compiled, buffers, &settings, &kind, self.photons, progress)?;
+        let (map, report) = photon_map(device, compiled, buffers, &settings, &kind, self.photons, seen, progress)?;
         if map.is_none() {
             said.notes.push(format!("the {} map is empty: no such light was found", kind.map));
+        }
+        if seen.is_some() {
+            let (kept, stored, map) = (report.photons_kept, report.photons_stored, kind.map);
+            said.notes.push(format!("{kept} of {stored} photons of the {map} map are near what the camera sees"));
         }
         if report.paths_cut > 0 {
             let (cut, map) = (report.paths_cut, kind.map);
@@ -137,6 +144,41 @@ impl<'a> Frame<'a> {
         said.problems.extend(ledger::problems(kind.map, &report.ledger));
         said.reports.push(report);
         Ok(map)
+    }
+
+    /// Looks where a pass is going to look for photons.
+    fn look(
+        &self,
+        seed: u32,
+        radius: f32,
+        progress: &mut dyn FnMut(Progress) -> bool,
+    ) -> Result<SeenCells, RenderError> {
+        let Self { device, settings, ref camera, .. } = *self;
+        let (low, high) = self.compiled.diffuse_bounds;
+        let seen = SeenCells::new(device, low, high, radius)?;
+        let [width, height] = settings.size;
+        let pixels = width * height;
+        let tile = device.scratch::<CameraTile>("camera tile", 1)?;
+        let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
+        let mut first_pixel = 0;
+        while first_pixel < pixels {
+            if !progress(Progress { phase: "look", done: first_pixel.into(), total: pixels.into() }) {
+                return Err(RenderError::Interrupted);
+            }
+            let pixels = (pace.size() / settings.spp).clamp(1, pixels - first_pixel);
+            let samples = pixels * settings.spp;
+            let queries = device.scratch::<Query>("sample queries", u64::from(samples))?;
+            let vertices = device.scratch::<Vertex>("sample vertices", u64::from(samples))?;
+            device.write(&tile, &[CameraTile { first_pixel, pixels, samples: settings.spp, seed }]);
+            let mut plan = Plan::new();
+            plan.scope("look");
+            let from = [&[&tile, camera], &self.buffers.for_camera()[..]].concat();
+            plan.each(self.buffers.kernels.camera, samples, &[&from[..], &[&queries, &vertices]].concat());
+            seen.plan_mark(device, &mut plan, &queries, samples)?;
+            pace.run(|| device.run(&plan))?;
+            first_pixel += pixels;
+        }
+        Ok(seen)
     }
 
     /// Renders the pixels of a unit and their layers.
@@ -155,6 +197,7 @@ impl<'a> Frame<'a> {
         parts &= !if global.is_none() { PART_GLOBAL } else { 0 };
         parts &= !if caustic.is_none() { PART_CAUSTIC } else { 0 };
         parts |= if settings.layers.contains(&LayerKind::Radius) { PART_REACH } else { 0 };
+        parts |= if settings.layers.contains(&LayerKind::Bias) { PART_BIAS } else { 0 };
         let tiles = Tiles {
             camera: device.scratch::<CameraTile>("camera tile", 1)?,
             gather: device.scratch::<GatherTile>("camera tile of gather", 1)?,
@@ -233,6 +276,7 @@ impl<'a> Frame<'a> {
         }
         let mut estimates = Vec::new();
         let mut reaches = Vec::new();
+        let mut halves = Vec::new();
         for (map, name) in maps.into_iter().zip(["sample global", "sample caustic"]) {
             let estimate = device.scratch::<Irradiance>(name, records(map.is_some()))?;
             if let Some(map) = map {
@@ -240,9 +284,18 @@ impl<'a> Frame<'a> {
                 if name == "sample global" && settings.final_gather > 0 {
                     self.plan_final_gather(&mut plan, map, samples, &tiles.gather, &queries, &vertices, &estimate)?;
                 } else {
-                    self.plan_estimate(&mut plan, map, &queries, &vertices, samples, &estimate)?;
+                    let how = settings.estimate();
+                    self.plan_estimate(&mut plan, map, &how, [&queries, &vertices], samples, &estimate)?;
                 }
             }
+            // A search of half the area ends where that of the whole has been: it cannot be cut short alone.
+            let half = map.filter(|_| parts & PART_BIAS != 0);
+            let of_half = device.scratch::<Irradiance>("sample of half", records(half.is_some()))?;
+            if let Some(map) = half {
+                let (map, how) = (map.halved(device)?, settings.estimate().halved());
+                self.plan_estimate(&mut plan, &map, &how, [&queries, &vertices], samples, &of_half)?;
+            }
+            halves.push(of_half);
             estimates.push(estimate);
             reaches.push(match map.filter(|_| parts & PART_REACH != 0) {
                 Some(map) => map.plan_reaches(device, &mut plan, &queries, samples, settings.k)?,
@@ -253,8 +306,8 @@ impl<'a> Frame<'a> {
         let light = [&vertices, &direct, &estimates[0], &estimates[1]];
         plan.each(Kernel::DevelopFilm, pixels, &[&[&tiles.film], &light[..], &[film]].concat());
         if settings.needs_layers() {
-            let reaches = [&reaches[0], &reaches[1], layers];
-            plan.each(Kernel::DevelopLayers, pixels, &[&[&tiles.film], &light[..], &reaches].concat());
+            let beside = [&reaches[0], &reaches[1], &halves[0], &halves[1], layers];
+            plan.each(Kernel::DevelopLayers, pixels, &[&[&tiles.film], &light[..], &beside].concat());
         }
         Ok(plan)
     }
@@ -264,13 +317,13 @@ impl<'a> Frame<'a> {
         &self,
         plan: &mut Plan,
         map: &PhotonMap,
-        queries: &Buffer,
-        vertices: &Buffer,
+        how: &Estimate,
+        [queries, vertices]: [&Buffer; 2],
         count: u32,
         out: &Buffer,
     ) -> Result<(), RenderError> {
         let seen = Seen { queries, surfaces: Some([vertices, &self.buffers.primitives]) };
-        Ok(map.plan_estimate(self.device, plan, seen, count, &self.settings.estimate(), out)?)
+        Ok(map.plan_estimate(self.device, plan, seen, count, how, out)?)
     }
 
     /// What a map says of what points see around them.
@@ -290,7 +343,8 @@ impl<'a> Frame<'a> {
         let estimates = self.device.scratch::<Irradiance>("gather estimates", u64::from(count))?;
         let ends = [queries, vertices, &seen_queries, &seen_vertices];
         plan.each(Kernel::TraceGather, count, &[&[tile], &self.buffers.for_camera()[..], &ends].concat());
-        self.plan_estimate(plan, map, &seen_queries, &seen_vertices, count, &estimates)?;
+        let how = self.settings.estimate();
+        self.plan_estimate(plan, map, &how, [&seen_queries, &seen_vertices], count, &estimates)?;
         plan.each(Kernel::SumGather, samples, &[tile, &seen_vertices, &estimates, out]);
         Ok(())
     }

@@ -45,7 +45,7 @@ pub use passes::{View, trace_photons};
 pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError};
 pub use render::{Given, Rendered, render, render_across, render_on};
 pub use report::{MapReport, Progress, RenderReport};
-pub use settings::{DEFAULT_PASSES, Integrator, MAX_FINAL_GATHER, MAX_PASSES, MAX_PIXELS, Settings, Show, Stop};
+pub use settings::{DEFAULT_PASSES, Integrator, Keep, MAX_FINAL_GATHER, MAX_PASSES, MAX_PIXELS, Settings, Show, Stop};
 pub use state_file::About;
 pub use verify::{ImageComparison, Verification, verify};
 pub use work::{Part, WorkUnit};

@@ -169,6 +169,7 @@ impl PhotonFile {
         };
         let report = MapReport {
             photons_stored: header.stored,
+            photons_kept: header.stored,
             segments: header.segments,
             paths_cut: header.paths_cut,
             ..MapReport::new(kind.map, header.emitted)

@@ -12,7 +12,7 @@ use caustic_kernels::grid::HASH_LINEAR;
 use caustic_kernels::layout::Photon;
 use caustic_kernels::sort::SCAN_BLOCK;
 use caustic_kernels::trace::{FATE_CUT, FATE_LANDED, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Tally};
-use caustic_photon_map::{MapOptions, PhotonMap, plan_grid, scan};
+use caustic_photon_map::{MapOptions, PhotonMap, SeenCells, plan_grid, scan};
 
 /// Paths of one dispatch: few enough for progress and for a GPU's watchdog, enough to fill it.
 pub(crate) const CHUNK: u32 = 1 << 20;
@@ -80,7 +80,8 @@ impl PassKind {
     }
 }
 
-/// Traces the photons of a pass, or takes them from a file, and builds their map. There is no map if nothing was stored.
+/// Traces the photons of a pass, or takes them from a file, and builds the map of those near cells that are `seen`, or of all. There is no map
+/// if nothing was stored.
 pub(crate) fn photon_map(
     device: &Device,
     scene: &CompiledScene,
@@ -88,14 +89,18 @@ pub(crate) fn photon_map(
     settings: &Settings,
     kind: &PassKind,
     file: Option<&PhotonFile>,
+    seen: Option<&SeenCells>,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<(Option<PhotonMap>, MapReport), RenderError> {
     let (photons, mut report) = match file {
         Some(file) => file.upload(device, kind)?,
         None => trace(device, scene, buffers, settings.seed, kind, progress)?,
     };
-    let Some(unsorted) = photons else { return Ok((None, report)) };
-    let stored = u64::from(report.photons_stored);
+    let Some(mut unsorted) = photons else { return Ok((None, report)) };
+    if let Some(seen) = seen {
+        (unsorted, report.photons_kept) = seen.keep(device, &unsorted, report.photons_stored)?;
+    }
+    let stored = u64::from(report.photons_kept);
     let (low, high) = scene.diffuse_bounds;
     let positions = sample(device, &unsorted, stored)?;
     let options = MapOptions { radius: settings.radius, hash: settings.hash, table: settings.table, cell: None };
@@ -208,6 +213,7 @@ pub(crate) fn trace(
         return Ok((None, report));
     }
     report.photons_stored = stored as u32;
+    report.photons_kept = report.photons_stored;
 
     let unsorted = device.scratch::<Photon>("photons", stored)?;
     for pass in &chunks {

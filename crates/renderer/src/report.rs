@@ -25,6 +25,8 @@ pub struct MapReport {
     pub photons_emitted: u32,
     /// Photons stored.
     pub photons_stored: u32,
+    /// Those of them that the map keeps: fewer with [`Keep::Visible`](crate::Keep::Visible).
+    pub photons_kept: u32,
     /// Segments of all paths: rays traced, each from one surface to the next.
     pub segments: u64,
     /// Paths that were given up after too many bounces; their light is missing.
@@ -49,6 +51,7 @@ impl MapReport {
             map,
             photons_emitted,
             photons_stored: 0,
+            photons_kept: 0,
             segments: 0,
             paths_cut: 0,
             ledger: Vec::new(),

@@ -52,6 +52,17 @@ pub enum Integrator {
     Direct,
 }
 
+/// Which photons a map keeps. The picture has the same bits with either.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Keep {
+    /// All that are stored.
+    #[default]
+    All,
+    /// Those near enough to something that the camera sees, which is looked at once more for that: a smaller map, built and
+    /// searched faster.
+    Visible,
+}
+
 /// When a render has enough passes: as soon as one of these is reached. Without any, a progressive render has
 /// [`DEFAULT_PASSES`] and every other one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -112,6 +123,8 @@ pub struct Settings {
     pub alpha: f32,
     /// Rays of a final gather for each camera sample; 0 looks at the estimate of the global map itself.
     pub final_gather: u32,
+    /// Which photons are kept.
+    pub keep: Keep,
     /// When there are enough passes.
     pub stop: Stop,
     /// Layers to make beside the picture, each once.
@@ -148,6 +161,7 @@ impl Settings {
             automatic_radius: false,
             alpha: 2.0 / 3.0,
             final_gather: 0,
+            keep: Keep::All,
             stop: Stop::default(),
             layers: Vec::new(),
             forced: Vec::new(),
@@ -212,6 +226,10 @@ impl Settings {
             let range = format!("at most {} at {} samples a pixel", MAX_GATHER_RAYS / self.spp, self.spp);
             return Err(RenderError::Setting { name: "final-gather", value: self.final_gather.to_string(), range });
         }
+        if self.keep == Keep::Visible && self.final_gather > 0 {
+            let range = "all with --final-gather, whose rays look at the global map everywhere".to_string();
+            return Err(RenderError::Setting { name: "keep", value: "visible".to_string(), range });
+        }
         whole("passes", self.stop.passes.unwrap_or(1), 1, MAX_PASSES)?;
         let number = |name, value: f64, fine: bool, range: &str| {
             if fine {
@@ -260,7 +278,7 @@ impl Settings {
             LayerKind::Direct => PART_DIRECT,
             LayerKind::Global => PART_GLOBAL,
             LayerKind::Caustic => PART_CAUSTIC,
-            LayerKind::Radius | LayerKind::Photons => PART_GLOBAL | PART_CAUSTIC,
+            LayerKind::Radius | LayerKind::Photons | LayerKind::Bias => PART_GLOBAL | PART_CAUSTIC,
             _ => u32::MAX,
         };
         let reason = if layer == LayerKind::Variance {
@@ -268,14 +286,14 @@ impl Settings {
                 return Ok(());
             }
             "one pass does not know how much passes differ; use --passes 2 or more, or --integrator progressive"
-        } else if !LayerKind::OF_PHOTON_MAPS.contains(&layer) {
-            "no integrator estimates it yet; ask for other layers"
         } else if self.integrator == Integrator::Path {
             "the path tracer knows no more than its picture and its variance; use another integrator"
         } else if self.parts() & part == 0 {
             "the picture leaves out the light that it would tell of; use --show beauty and photon maps"
-        } else if self.final_gather > 0 && matches!(layer, LayerKind::Radius | LayerKind::Photons) {
+        } else if self.final_gather > 0 && matches!(layer, LayerKind::Radius | LayerKind::Photons | LayerKind::Bias) {
             "a final gather does not look at the global map where the camera looks; leave out --final-gather"
+        } else if layer == LayerKind::Bias && self.k < 3 && self.estimate().k.is_some() {
+            "it compares estimates from all and from half of k photons; use --k 3 or more"
         } else {
             return Ok(());
         };

@@ -3,7 +3,7 @@
 use crate::crowd::{CROWD, crowd};
 use crate::output::LayerKind;
 use crate::scene::{BUILT_IN, Scene};
-use crate::{Integrator, Progress, RenderError, Settings, Show, render};
+use crate::{Integrator, Keep, Progress, RenderError, Settings, Show, render};
 use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, StageComparison};
 use caustic_kernels::layout::{Photon, Query, Site};
 use caustic_kernels::num::{pcg4d, u32_to_unit};
@@ -162,6 +162,7 @@ fn small(scene: &Scene, hash: Hash, seed: u32) -> Settings {
         gather: Gather::Auto,
         seed,
         show: Show::Beauty,
+        keep: Keep::Visible,
         layers: LayerKind::OF_PHOTON_MAPS.to_vec(),
         ..defaults
     }

@@ -6,7 +6,7 @@ use crate::shaders::workspace_root;
 use anyhow::{Context, Result, bail, ensure};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
@@ -121,14 +121,23 @@ fn output(program: &Path, arguments: &[&str], root: &Path) -> Result<Vec<u8>> {
 fn page(names: &[String], entries: &BTreeMap<String, Entry>) -> String {
     let mut page = String::from(
         "# Gallery\n\nEvery built-in scene, rendered by `cargo xtask gallery`: the command below each picture makes it again, bit for bit on any device. \
-         Times are those of the whole render, on the devices named.\n",
+         Times are those of the whole render, s; `cargo xtask gallery --device D --times` adds those of another device.\n",
     );
-    for (name, entry) in names.iter().filter_map(|name| Some((name, entries.get(name)?))) {
-        let _ = write!(page, "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.png)\n\n", entry.description);
-        let _ = write!(page, "```sh\n{}\n```\n\n", entry.command);
-        for (device, seconds) in &entry.seconds {
-            let _ = writeln!(page, "* {seconds:.2} s on {device}");
+    let known = || names.iter().filter_map(|name| Some((name, entries.get(name)?)));
+    let devices: BTreeSet<&String> = known().flat_map(|(_, entry)| entry.seconds.keys()).collect();
+    if !devices.is_empty() {
+        let cells = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+        let head = std::iter::once("scene".to_string()).chain(devices.iter().map(ToString::to_string));
+        let rule = std::iter::once("---").chain(devices.iter().map(|_| "--:")).map(ToString::to_string);
+        let _ = write!(page, "\n{}{}", cells(head.collect()), cells(rule.collect()));
+        for (name, entry) in known() {
+            let of = |device: &&String| entry.seconds.get(*device).map_or("–".to_string(), |s| format!("{s:.2}"));
+            page += &cells(std::iter::once(format!("[{name}](#{name})")).chain(devices.iter().map(of)).collect());
         }
+    }
+    for (name, entry) in known() {
+        let _ = write!(page, "\n## {name}\n\n{}\n\n![{name}](gallery/{name}.png)\n\n", entry.description);
+        let _ = write!(page, "```sh\n{}\n```\n", entry.command);
     }
     page
 }
@@ -149,7 +158,13 @@ mod tests {
             ("b".to_string(), entry(&[("CPU", 1.5)])),
         ]);
         let page = page(&["b".to_string(), "a".to_string(), "new".to_string()], &entries);
-        for part in ["![a](gallery/a.png)", "* 0.25 s on GPU", "* 2.00 s on CPU", "caustic render"] {
+        for part in [
+            "![a](gallery/a.png)",
+            "| scene | CPU | GPU |",
+            "| [a](#a) | 2.00 | 0.25 |",
+            "| [b](#b) | 1.50 | – |",
+            "caustic render",
+        ] {
             assert!(page.contains(part), "no `{part}` in {page}");
         }
         assert!(page.find("## b") < page.find("## a") && !page.contains("new"));

@@ -2,7 +2,7 @@
 
 use super::whole;
 use caustic_photon_map::{Filter, RADII, Surface};
-use caustic_renderer::{Integrator, MAX_FINAL_GATHER, MAX_PASSES, Part, Stop};
+use caustic_renderer::{Integrator, Keep, MAX_FINAL_GATHER, MAX_PASSES, Part, Stop};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -23,6 +23,9 @@ pub struct IntegratorArguments {
     /// Looks at the global map through N rays from each sample instead of at the sample itself: no blotches, for N times the work.
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0, MAX_FINAL_GATHER), allow_negative_numbers = true)]
     pub final_gather: u32,
+    /// Which photons a map keeps: the image does not depend on it.
+    #[arg(long, value_enum, default_value_t)]
+    pub keep: KeepArgument,
     /// Ends after so many passes. Without a stop, a progressive render has 64 and every other 1.
     #[arg(long, value_name = "N", value_parser = whole(1, MAX_PASSES), allow_negative_numbers = true)]
     pub passes: Option<u32>,
@@ -146,4 +149,22 @@ fn alpha(text: &str) -> Result<f32, String> {
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| *number > 0.0 && number.is_finite());
     number.ok_or_else(|| "it must be a number above 0".to_string())
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub enum KeepArgument {
+    /// All that are stored.
+    #[default]
+    All,
+    /// Those near enough to what the camera sees: a smaller map, for a second look through the camera.
+    Visible,
+}
+
+impl From<KeepArgument> for Keep {
+    fn from(keep: KeepArgument) -> Self {
+        match keep {
+            KeepArgument::All => Self::All,
+            KeepArgument::Visible => Self::Visible,
+        }
+    }
 }

@@ -54,7 +54,7 @@ impl From<ToneArgument> for ToneMap {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum LayerArgument {
-    /// All of them.
+    /// All of them but the variance, which one pass does not have.
     All,
     /// Light seen straight or straight from a light; direct + global + caustic is the picture, bit for bit.
     Direct,
@@ -72,6 +72,10 @@ pub enum LayerArgument {
     Albedo,
     /// Length of the path to what is seen, m.
     Depth,
+    /// Variance of the picture, from how its passes differ; not in `all`.
+    Variance,
+    /// Estimate of how much too bright the picture is, from half of each disc; takes a second estimate.
+    Bias,
 }
 
 /// The layers that are asked for, each once.
@@ -86,6 +90,8 @@ pub fn layers(asked: &[LayerArgument]) -> Vec<LayerKind> {
         LayerArgument::Normal => vec![LayerKind::Normal],
         LayerArgument::Albedo => vec![LayerKind::Albedo],
         LayerArgument::Depth => vec![LayerKind::Depth],
+        LayerArgument::Variance => vec![LayerKind::Variance],
+        LayerArgument::Bias => vec![LayerKind::Bias],
     };
     let mut kinds: Vec<_> = asked.iter().flat_map(kind).collect();
     kinds.sort_unstable();

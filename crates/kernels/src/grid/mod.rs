@@ -7,6 +7,7 @@
 mod cell;
 mod hash;
 mod ranges;
+mod seen;
 
 pub use cell::{axis_cell, cell_of, coordinates, gap};
 pub use hash::{HASH_LINEAR, HASH_MORTON, HASH_TESCHNER, hash_cell, linear, morton, teschner};
@@ -14,6 +15,7 @@ pub use ranges::{
     BEGINS_BLOCK, BeginsShared, GRID_BLOCK, GridRegisters, LargestShared, Moved, cell_begins, hash_photons,
     hash_queries, reorder_photons,
 };
+pub use seen::{keep_photons, mark_cells, see_photons};
 
 use bytemuck::{Pod, Zeroable};
 

@@ -161,6 +161,6 @@ layouts! {
         film_tile: FilmTile { first_pixel, pixels, samples, parts },
         film: Pixel { rgb, covered, not_finite, lost, cut_short, rays },
         gather: GatherTile { first_pixel, pixels, samples, rays, seed },
-        layers: LayerPixel { direct, global, caustic, normal, albedo, depth, radius, photons }
+        layers: LayerPixel { direct, global, caustic, normal, albedo, depth, radius, photons, bias }
     );
 }

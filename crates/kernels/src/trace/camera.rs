@@ -5,7 +5,7 @@ use super::bsdf::{albedo_diffuse, is_glossy, sample_specular, scatter_specular, 
 use super::bvh::BvhNode;
 use super::intersect::{LOST, MISS, closest_hit, leave};
 use super::light::{emission_at, look_density, power_heuristic};
-use super::medium::{VACUUM, leaks, medium_after, medium_before};
+use super::medium::{VACUUM, leaks, medium_after, medium_before, roulette};
 use super::next_event::{next_event, outside, through};
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
 use super::sky::leaving;
@@ -26,6 +26,8 @@ const FILM_KEY: u32 = 0x5f1a_0000;
 const LENS_KEY: u32 = 0x5f1a_0003;
 /// First dimension of the numbers for shadow rays of glossy surfaces; bounces have those below.
 const SHADOW_DIMENSION: u32 = MAX_BOUNCES;
+/// First dimension of the numbers for a medium's roulette.
+const FAINT_DIMENSION: u32 = 2 * MAX_BOUNCES;
 /// A throughput below which a path has ended: a product of it is no longer a normal float.
 const NOTHING: f32 = 1e-30;
 
@@ -163,7 +165,14 @@ pub(super) fn first_diffuse<const FULL: bool>(
         let mut seen = 1.0;
         if FULL {
             medium = medium_before(medium, &material, primitive.material, cos);
-            throughput *= through(medium, hit.t, materials);
+            if medium != VACUUM {
+                throughput *= through(medium, hit.t, materials);
+                throughput *= roulette(throughput, Vec3::ONE, rng.draw4(FAINT_DIMENSION + bounce)[0]);
+                if throughput == Vec3::ZERO {
+                    vertex.primitive = MISS;
+                    break;
+                }
+            }
             seen = outside(medium, materials);
         }
         if primitive.light != NO_LIGHT && cos < 0.0 {

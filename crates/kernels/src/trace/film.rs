@@ -19,6 +19,8 @@ pub const PART_CAUSTIC: u32 = 4;
 pub const PART_PATHS: u32 = 8;
 /// [`FilmTile::parts`]: the reach of the estimates from each map that is wanted, for a layer.
 pub const PART_REACH: u32 = 16;
+/// [`FilmTile::parts`]: the estimates from half of each disc, for the layer of the bias.
+pub const PART_BIAS: u32 = 32;
 
 /// What the film adds up.
 #[repr(C)]

@@ -33,7 +33,9 @@ pub mod vector;
 pub use bvh::{BvhNode, INNER, LEAF_BITS, OCTANTS, Slabs, list_of, octant};
 pub use camera::{Camera, CameraTile, Vertex, invert_lens, lens_density, lens_point, trace_camera};
 pub use direct::shade_direct;
-pub use film::{FilmTile, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS, PART_REACH, Pixel, develop_film};
+pub use film::{
+    FilmTile, PART_BIAS, PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS, PART_REACH, Pixel, develop_film,
+};
 pub use final_gather::{GatherTile, sum_gather, trace_gather};
 pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, corners_of, intersect, leave, occluded};
 pub use layers::{LayerPixel, develop_layers};

@@ -10,7 +10,7 @@ use super::bvh::BvhNode;
 use super::emission::emit;
 use super::intersect::{LOST, MISS, closest_hit, leave};
 use super::ledger::Tally;
-use super::medium::{VACUUM, leaks, medium_after, medium_before, transmittance};
+use super::medium::{VACUUM, leaks, medium_after, medium_before, roulette, transmittance};
 use super::scene::{
     Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT, PRIMITIVE_SPHERE, Primitive,
     SceneInfo, Target,
@@ -216,7 +216,11 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
             if medium != VACUUM {
                 let left = power * transmittance(&materials[medium as usize], hit.t);
                 absorbed += power - left;
-                power = left;
+                power = left * roulette(left, start.power, rng.draw4(2 + MAX_BOUNCES + bounce)[0]);
+                if power == Vec3::ZERO {
+                    given_up = false;
+                    break;
+                }
             }
         }
         let draw = rng.draw4(2 + bounce);

@@ -74,6 +74,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// The estimate from half of the area: from half of the photons, where it is from the k nearest. k + 1 of them reach as far as the disc.
+    #[must_use]
+    pub fn halved(self) -> Self {
+        Self { k: self.k.map(|k| (k.saturating_sub(1) / 2).max(1)), ..self }
+    }
+
     /// Whether photons need to know on which side they arrived: [`PhotonMap::plan_sides`].
     #[must_use]
     pub fn needs_sides(&self) -> bool {

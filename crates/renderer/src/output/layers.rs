@@ -28,13 +28,14 @@ pub enum LayerKind {
     Depth,
     /// Variance of the picture, (W·sr⁻¹·m⁻²)², from how its passes differ.
     Variance,
-    /// Estimate of the picture's bias, W·sr⁻¹·m⁻²: of integrators that know it.
+    /// Estimate of the picture's bias, W·sr⁻¹·m⁻², from estimates over the whole and over half of each disc: below 0 where the picture is
+    /// too dark. Its own standard deviation is twice the picture's part that comes from maps.
     Bias,
 }
 
 impl LayerKind {
     /// Those that a photon-mapped picture has.
-    pub const OF_PHOTON_MAPS: [Self; 8] = [
+    pub const OF_PHOTON_MAPS: [Self; 9] = [
         Self::Direct,
         Self::Global,
         Self::Caustic,
@@ -43,6 +44,7 @@ impl LayerKind {
         Self::Normal,
         Self::Albedo,
         Self::Depth,
+        Self::Bias,
     ];
 
     /// Its name, in files and on the command line.
@@ -101,7 +103,8 @@ impl Layer {
             LayerKind::Normal => all(pixels, |pixel| pixel.normal),
             LayerKind::Albedo => all(pixels, |pixel| pixel.albedo),
             LayerKind::Depth => all(pixels, |pixel| [pixel.depth]),
-            LayerKind::Variance | LayerKind::Bias => Vec::new(),
+            LayerKind::Bias => all(pixels, |pixel| pixel.bias),
+            LayerKind::Variance => Vec::new(),
         };
         Self { kind, values }
     }

@@ -1,0 +1,129 @@
+//! Photon maps against the path tracer, scene by scene: they share rays and materials and nothing else.
+//!
+//! Of each built-in scene a small picture is made by paths and by progressive passes of a small and of a large radius, several seeds each. Blocks of
+//! pixels give Welch's z = (mean of one − mean of the other) / √(SE² + SE²). Whole pictures have to agree within their noise and a
+//! percent, and what is left in the pixels is bias that shrinks with the radius. `CAUSTIC_LONG=1` takes sixteen times the samples and photons.
+
+use caustic_device::Device;
+use caustic_photon_map::Surface;
+use caustic_renderer::output::Image;
+use caustic_renderer::scene::{BUILT_IN, Scene};
+use caustic_renderer::{Integrator, Settings, Stop};
+use caustic_tests::renders::*;
+
+/// Seeds of each way.
+const SEEDS: u32 = 8;
+/// The picture, and the sides of a block.
+const SIZE: [u32; 2] = [16, 12];
+const BLOCK: u32 = 4;
+
+/// Scenes that the path tracer cannot do, with the reason: it finds light that comes from a point or from the sun through smooth mirrors or glass
+/// with no chance at all.
+const NOT_BY_PATHS: [(&str, &str); 3] = [
+    ("landscape", "the lake mirrors the sun"),
+    ("pool", "the sun shines through smooth water"),
+    ("water", "a spot shines through smooth water"),
+];
+
+/// A scene that it can do, the smaller and the larger radius, m.
+const SCENES: [(&str, [f32; 2]); 9] = [
+    ("cornell", [0.06, 0.5]),
+    ("cornell-coated", [0.06, 0.5]),
+    ("cornell-glossy", [0.06, 0.5]),
+    ("furnace", [0.1, 0.6]),
+    ("hall", [0.3, 2.0]),
+    ("lamps", [0.1, 0.8]),
+    ("micro", [6e-7, 5e-6]),
+    ("plane", [0.15, 1.0]),
+    ("ring", [0.03, 0.3]),
+];
+
+fn many() -> u32 {
+    if std::env::var("CAUSTIC_LONG").is_ok_and(|value| value == "1") { 16 } else { 1 }
+}
+
+fn pictures(scene: &Scene, settings: &Settings, first: u32) -> Vec<Image> {
+    (first..first + SEEDS).map(|seed| image(scene, &Settings { seed, ..settings.clone() }, &Device::cpu())).collect()
+}
+
+/// Mean and standard error of a number that each picture has.
+fn over(pictures: &[Image], of: impl Fn(&Image) -> f64) -> (f64, f64) {
+    mean_and_error(&pictures.iter().map(of).collect::<Vec<_>>())
+}
+
+/// Mean of the channel `c` of a block.
+fn block(picture: &Image, [x, y]: [u32; 2], c: usize) -> f64 {
+    let pixels = (0..BLOCK * BLOCK).map(|i| (y * BLOCK + i / BLOCK) * SIZE[0] + x * BLOCK + i % BLOCK);
+    mean(&pixels.map(|at| f64::from(picture.rgb[at as usize][c])).collect::<Vec<_>>())
+}
+
+/// Root of the mean of z² over all blocks, and the largest.
+fn z_scores(a: &[Image], b: &[Image]) -> [f64; 2] {
+    let blocks = (0..SIZE[1] / BLOCK).flat_map(|y| (0..SIZE[0] / BLOCK).map(move |x| [x, y]));
+    let z: Vec<f64> = blocks
+        .flat_map(|at| (0..3).map(move |c| (at, c)))
+        .map(|(at, c)| {
+            let ((a, a_error), (b, b_error)) = (over(a, |one| block(one, at, c)), over(b, |one| block(one, at, c)));
+            // Blocks without any light have no noise either.
+            if a == b { 0.0 } else { (a - b).abs() / a_error.hypot(b_error) }
+        })
+        .collect();
+    [(z.iter().map(|z| z * z).sum::<f64>() / z.len() as f64).sqrt(), z.into_iter().fold(0.0, f64::max)]
+}
+
+/// (Difference of the means)² less the variances of both means, over all pixels: the squared bias, which is not biased by noise; and its standard error,
+/// from its scatter over pixels.
+fn bias2(truth: &[Image], found: &[Image]) -> (f64, f64) {
+    let of = |at: usize| {
+        let value = |one: &Image| f64::from(floats(one)[at]);
+        let ((a, a_error), (b, b_error)) = (over(truth, value), over(found, value));
+        (a - b).powi(2) - a_error.powi(2) - b_error.powi(2)
+    };
+    mean_and_error(&(0..floats(&truth[0]).len()).map(of).collect::<Vec<_>>())
+}
+
+#[test]
+fn every_scene_is_tested_or_says_why_not() {
+    for built_in in BUILT_IN {
+        let listed = SCENES.iter().filter(|(name, _)| *name == built_in.name).count();
+        let left_out = NOT_BY_PATHS.iter().filter(|(name, _)| *name == built_in.name).count();
+        assert_eq!(listed + left_out, 1, "{}", built_in.name);
+    }
+}
+
+#[test]
+fn photon_maps_converge_to_what_paths_see() {
+    for (name, radii) in SCENES {
+        let scene = load(name);
+        let base = Settings { size: SIZE, surface: Surface::Own, ..Settings::of(&scene) };
+        let paths = Settings { integrator: Integrator::Path, spp: 96 * many(), ..base.clone() };
+        let truth = pictures(&scene, &paths, 0);
+        let [small, large] = radii.map(|radius| {
+            let settings = Settings {
+                integrator: Integrator::Progressive,
+                photons: 20_000 * many(),
+                caustic_photons: 20_000 * many(),
+                spp: 32,
+                radius,
+                stop: Stop { passes: Some(2), ..Stop::default() },
+                ..base.clone()
+            };
+            pictures(&scene, &settings, 100)
+        });
+        for c in 0..3 {
+            let mean_of = |one: &Image| mean_rgb(one)[c];
+            let ((paths, paths_se), (maps, maps_se)) = (over(&truth, mean_of), over(&small, mean_of));
+            let (ratio, se) = (maps / paths, paths_se.hypot(maps_se) / paths);
+            println!("{name}, channel {c}: maps over paths {ratio:.4} ± {se:.4}");
+            assert!((ratio - 1.0).abs() < 4.0 * se + 0.01 && se < 0.02, "{name}, channel {c}: {ratio} ± {se}");
+        }
+        let ([rms, most], [rms_large, most_large]) = (z_scores(&truth, &small), z_scores(&truth, &large));
+        println!(
+            "{name}: z of blocks: rms {rms:.2}, at most {most:.2}; at the large radius {rms_large:.2} and {most_large:.2}"
+        );
+        let ((near, near_se), (far, far_se)) = (bias2(&truth, &small), bias2(&truth, &large));
+        println!("{name}: squared bias {near:.2e} ± {near_se:.2e}; at the large radius {far:.2e} ± {far_se:.2e}");
+        assert!(rms < 2.5 && rms < rms_large + 0.2, "{name}: z {rms} and {rms_large}");
+        assert!(near < 0.5 * far + 3.0 * near_se.hypot(far_se), "{name}: the bias does not shrink: {near} and {far}");
+    }
+}
