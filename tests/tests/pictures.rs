@@ -235,7 +235,8 @@ fn a_gpu_computes_the_same_bits() {
         [[meshes]]\nvertices = [[-1, 0.1, -1], [1, 0.1, -1], [0, 0.6, -1.2]]\ntriangles = [[0, 1, 2]]\n\
         normals = [[0, 1, 1], [0, 0, 1], [1, 1, 1]]\nuv = [[0, 0], [1, 0], [0.3, 1]]\nmaterial = \"glow\"\nradiance = [3, 2, 1]\n\
         [[discs]]\ncentre = [-0.6, 0.3, 0.6]\nnormal = [1, 2, 0]\nradius = 0.3\nmaterial = \"glow\"\nradiance = [1, 2, 3]\n";
-    let scene = scene(&folder, &with(&format!("{}{glow}", sheet(pictures))));
+    let sky = "[[lights]]\nkind = \"environment\"\nfile = \"built-in:sky\"\nrotation_degrees = 70\nradiance = [0.1, 0.2, 0.3]\n";
+    let scene = scene(&folder, &with(&format!("{}{glow}{sky}", sheet(pictures))));
     for (name, settings) in integrators(&scene) {
         let (a, b) = (image(&scene, &settings, &Device::cpu()), image(&scene, &settings, gpu));
         assert_same_words(name, floats(&a), floats(&b));

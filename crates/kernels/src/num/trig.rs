@@ -51,7 +51,8 @@ pub fn atan2_turns(y: f32, x: f32) -> f32 {
         use spirv_std::num_traits::Float;
         if x == 0.0 && y == 0.0 { 0.0 } else { y.atan2(x) * (1.0 / core::f32::consts::TAU) }
     };
-    let (across, along) = (abs(flush(y)), abs(flush(x)));
+    let (y, x) = (flush(y), flush(x));
+    let (across, along) = (abs(y), abs(x));
     let steep = across > along;
     let mut a = 0.0;
     if steep {
