@@ -146,9 +146,8 @@ fn traced(device: &Device, scene: &Scene, kernels: Tracers) -> (Vec<Photon>, Vec
     let mut plan = Plan::new();
     let seen = [&queries, &vertices];
     plan.each(kernels.camera, count, &[&[&tile, &camera], &buffers.for_camera()[..], &seen].concat());
-    let SceneBuffers { info, nodes, primitives, materials, lights, .. } = &buffers;
-    let shaded = [&tile, info, nodes, primitives, materials, lights, &queries, &vertices, &direct];
-    plan.each(kernels.direct, count, &shaded);
+    let shaded = [&queries, &vertices, &direct];
+    plan.each(kernels.direct, count, &[&[&tile], &buffers.for_camera()[..], &shaded].concat());
     device.run(&plan).unwrap();
     (photons, device.read(&vertices, count.into()).unwrap(), device.read(&direct, count.into()).unwrap())
 }

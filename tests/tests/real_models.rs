@@ -83,9 +83,9 @@ fn exported_models_have_the_same_bits_on_a_gpu() {
     ] {
         let scene = Scene::load(&folder.join("glTF2").join(name).to_string_lossy()).unwrap();
         let settings =
-            Settings { size: [32, 24], photons: 5000, caustic_photons: 2000, spp: 2, ..Settings::of(&scene) };
+            Settings { size: [24, 18], photons: 2000, caustic_photons: 1000, spp: 1, ..Settings::of(&scene) };
         let (ours, theirs) = (image(&scene, &settings, &Device::cpu()), image(&scene, &settings, gpu));
         assert_eq!(ours.sha256(), theirs.sha256(), "{name}");
-        assert!(mean_rgb(&ours).iter().all(|&mean| mean > 0.01), "{name} is dark: {:?}", mean_rgb(&ours));
+        assert!(mean_rgb(&ours).iter().all(|&mean| mean > 1e-3), "{name} is dark: {:?}", mean_rgb(&ours));
     }
 }

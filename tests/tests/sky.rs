@@ -1,12 +1,11 @@
-//! Environments: furnaces, a picture against quadrature, the energy of their photons, bad files and the bits of a GPU. Seeds are fixed; bounds are 4
-//! standard errors.
+//! Environments: furnaces, a picture against quadrature, the energy of their photons and bad files. Seeds are fixed; bounds are 4 standard
+//! errors. That a GPU has the same bits, `tests/pictures.rs` sees, and `tests/verify.rs` of the scene courtyard.
 
 use caustic_device::Device;
 use caustic_photon_map::{Filter, Surface};
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{Integrator, Settings, Show, Stop};
+use caustic_renderer::{Integrator, Settings, Show};
 use caustic_tests::renders::*;
-use caustic_tests::{assert_same_words, gpu};
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -31,7 +30,7 @@ fn a_diffuse_ball_reflects_its_share_of_an_even_sky() {
             EVEN,
         );
         let base = Settings { size: [16, 16], spp: 32, ..Settings::of(&scene) };
-        let map = Settings { show: Show::MapGlobal, photons: 400_000, k: 60, radius: 0.5, spp: 4, ..base.clone() };
+        let map = Settings { show: Show::MapGlobal, photons: 200_000, k: 60, radius: 0.5, spp: 1, ..base.clone() };
         for (name, settings) in [
             ("path", Settings { integrator: Integrator::Path, ..base.clone() }),
             ("direct", Settings { integrator: Integrator::Direct, ..base.clone() }),
@@ -43,9 +42,9 @@ fn a_diffuse_ball_reflects_its_share_of_an_even_sky() {
                 assert_eq!(rendered.report.problems, [""; 0]);
                 mean_rgb(&rendered.image)[1] / reflectance
             };
-            let (mean, se) = mean_and_error(&(0..6).map(ratio).collect::<Vec<_>>());
+            let (mean, se) = mean_and_error(&(0..4).map(ratio).collect::<Vec<_>>());
             println!("{name}, {reflectance}: {mean:.5}, SE {se:.5}");
-            assert!((mean - 1.0).abs() < 4.0 * se + 1e-5 && se < 1e-2, "{name}, {reflectance}: {mean} ± {se}");
+            assert!((mean - 1.0).abs() < 4.0 * se + 1e-5 && se < 1.5e-2, "{name}, {reflectance}: {mean} ± {se}");
         }
     }
 }
@@ -312,28 +311,5 @@ fn bad_environments_are_refused_in_a_sentence() {
         );
         let error = Scene::parse(&folder.path().join("scene.toml").to_string_lossy(), &text).unwrap_err().to_string();
         assert!(error.contains(words) && !error.contains('\n'), "{lights}: {error}");
-    }
-}
-
-#[test]
-fn a_gpu_computes_the_same_bits() {
-    let Some(gpu) = gpu() else { return };
-    let scene = load("courtyard");
-    let base = Settings { size: [24, 18], photons: 4000, caustic_photons: 3000, ..small(&scene) };
-    for (name, settings) in [
-        ("photon", base.clone()),
-        ("path", Settings { integrator: Integrator::Path, ..base.clone() }),
-        ("final gather", Settings { final_gather: 2, ..base.clone() }),
-        (
-            "progressive",
-            Settings {
-                integrator: Integrator::Progressive,
-                stop: Stop { passes: Some(2), ..Stop::default() },
-                ..base.clone()
-            },
-        ),
-    ] {
-        let (a, b) = (image(&scene, &settings, &Device::cpu()), image(&scene, &settings, gpu));
-        assert_same_words(name, floats(&a), floats(&b));
     }
 }

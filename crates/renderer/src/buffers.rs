@@ -84,7 +84,7 @@ impl SceneBuffers {
         [info, nodes, primitives, materials, lights, targets, corners, textures, texels]
     }
 
-    /// What the camera's kernel takes after tile and camera.
+    /// What the kernels of camera samples take after their parameters.
     #[must_use]
     pub fn for_camera(&self) -> [&Buffer; 8] {
         let Self { info, nodes, primitives, materials, lights, corners, textures, texels, .. } = self;

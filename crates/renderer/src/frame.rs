@@ -250,8 +250,7 @@ impl<'a> Frame<'a> {
         [film, layers]: [&Buffer; 2],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, ref camera, .. } = *self;
-        let SceneBuffers { kernels, info, nodes, primitives, materials, lights, corners, textures, texels, .. } =
-            self.buffers;
+        let kernels = self.buffers.kernels;
         let samples = pixels * settings.spp;
         let paths = settings.integrator == Integrator::Path;
         let records = |wanted: bool| if wanted { u64::from(samples) } else { 0 };
@@ -267,12 +266,9 @@ impl<'a> Frame<'a> {
             plan.each(kernels.camera, samples, &[&from[..], &[&queries, &vertices]].concat());
         }
         if parts & PART_DIRECT != 0 {
-            let scene = [info, nodes, primitives, materials, lights, corners, textures, texels];
-            plan.each(
-                kernels.direct,
-                samples,
-                &[&[&tiles.camera], &scene[..], &[&queries, &vertices, &direct]].concat(),
-            );
+            let scene = self.buffers.for_camera();
+            let samples_of = [&queries, &vertices, &direct];
+            plan.each(kernels.direct, samples, &[&[&tiles.camera], &scene[..], &samples_of].concat());
         }
         let mut estimates = Vec::new();
         let mut reaches = Vec::new();

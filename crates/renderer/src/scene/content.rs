@@ -64,19 +64,24 @@ impl Content {
         let corners = surface.checked_sub(first).map(|at| self.corners[at].uv);
         let mut sum = DVec3::ZERO;
         for i in 0..SIDE * SIDE {
-            let at = |k: u32| (f64::from(k) + 0.5) / f64::from(SIDE);
-            let (mut u, mut v) = (at(i % SIDE), at(i / SIDE));
-            if let Some([a, b, c]) = corners {
-                // The parts beyond the diagonal are turned back; those on it count as they are.
-                if u + v > 1.0 {
-                    (u, v) = (1.0 - u, 1.0 - v);
+            let (x, y) = (i % SIDE, i / SIDE);
+            let at = |k: u32, part: f64| (f64::from(k) + part) / f64::from(SIDE);
+            let uv = match corners {
+                None => [at(x, 0.5), at(y, 0.5)],
+                Some([a, b, c]) => {
+                    // Small triangles that stand as the large one does, and between them those that are turned.
+                    let (u, v) = if x + y < SIDE {
+                        (at(x, 1.0 / 3.0), at(y, 1.0 / 3.0))
+                    } else {
+                        (at(SIDE - 1 - x, 2.0 / 3.0), at(SIDE - 1 - y, 2.0 / 3.0))
+                    };
+                    [0, 1].map(|k| {
+                        let [a, b, c] = [a[k], b[k], c[k]].map(f64::from);
+                        a + (b - a) * u + (c - a) * v
+                    })
                 }
-                let along = |k: usize| {
-                    f64::from(a[k]) + (f64::from(b[k]) - f64::from(a[k])) * u + (f64::from(c[k]) - f64::from(a[k])) * v
-                };
-                (u, v) = (along(0), along(1));
-            }
-            let texel = texel_at(&self.textures[picture as usize], [u as f32, v as f32], &self.texels);
+            };
+            let texel = texel_at(&self.textures[picture as usize], uv.map(|x| x as f32), &self.texels);
             sum += texel.truncate().as_dvec3();
         }
         sum / f64::from(SIDE * SIDE)
