@@ -148,9 +148,10 @@ impl Planned {
             eprintln!("warning: {}", finding.text);
         }
         if let (Some(prediction), Some(_)) = (&self.prediction, self.met) {
-            let Settings { photons, caustic_photons, k, radius, spp, .. } = self.settings;
+            let Settings { photons, caustic_photons, k, radius, spp, table, .. } = self.settings;
+            let table = table.map_or(String::new(), |table| format!(" --table {table}"));
             eprintln!(
-                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}, {} passes",
+                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}{table}, {} passes",
                 prediction.passes
             );
             eprintln!("{}", foreseen(prediction));
@@ -195,6 +196,7 @@ impl Planned {
                 "k": self.settings.k,
                 "radius": self.settings.radius,
                 "spp": self.settings.spp,
+                "table": self.settings.table,
                 "passes": self.prediction.as_ref().map(|prediction| prediction.passes),
             },
         })

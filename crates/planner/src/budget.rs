@@ -3,6 +3,7 @@
 use crate::predict::Prediction;
 use crate::survey::{Survey, within};
 use caustic_device::Device;
+use caustic_photon_map::Hash;
 use caustic_renderer::scene::CompiledScene;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS};
 use caustic_renderer::{ExpectedMap, Settings, Stop};
@@ -77,8 +78,11 @@ const DISCS: [u32; 13] = [8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512
 /// Camera samples a pixel that are tried.
 const SAMPLES: [u32; 6] = [1, 2, 4, 8, 16, 32];
 
+/// Entries of a small table: less memory, built at once, and searched more slowly.
+const SMALL_TABLE: u32 = 1 << 16;
+
 /// The settings with the least error within the time and memory, or those that reach the error in the least time. All combinations of half
-/// powers of two of photons, of [`DISCS`] and [`SAMPLES`] are tried, each with as many passes as fit or are needed.
+/// powers of two of photons, of [`DISCS`] and [`SAMPLES`] and of two sizes of tables are tried, each with as many passes as fit or are needed.
 #[must_use]
 pub fn choose(
     survey: &Survey,
@@ -98,20 +102,27 @@ pub fn choose(
         let passes = settings.stop.passes.unwrap_or(1);
         budget.seconds = Some(survey.predict(scene, settings, passes, device).seconds);
     }
+    let linear = matches!(settings.hash, Hash::Auto | Hash::Linear);
+    let small = (linear && settings.table.is_none()).then_some(Some(SMALL_TABLE));
+    let tables: Vec<Option<u32>> = [Some(settings.table), small].into_iter().flatten().collect();
     let mut best: Option<Choice> = None;
     for photons in pick(given.photons, settings.photons, &photons) {
         let caustic = ((f64::from(photons) * ratio) as u32).min(MAX_PHOTONS);
         let caustic_photons = if given.caustic_photons { settings.caustic_photons } else { caustic };
         for k in pick(given.k, settings.k, &DISCS).into_iter().filter(|&k| k <= MAX_K) {
             let radius = if given.radius { settings.radius } else { within(survey.radius_for(k, photons)) };
-            let tried = Settings { photons, caustic_photons, k, radius, automatic_radius: false, ..settings.clone() };
-            // Their tables are as much work as all the rest.
-            let maps = survey.maps(scene, &tried);
-            for spp in pick(given.spp, settings.spp, &SAMPLES) {
-                let tried = Settings { spp, ..tried.clone() };
-                let choice = with_passes(survey, scene, tried, &budget, device, maps);
-                if best.as_ref().is_none_or(|best| better(&choice, best, &budget)) {
-                    best = Some(choice);
+            for table in &tables {
+                let (table, automatic_radius) = (*table, false);
+                let tried =
+                    Settings { photons, caustic_photons, k, radius, automatic_radius, table, ..settings.clone() };
+                // Their tables are as much work as all the rest.
+                let maps = survey.maps(scene, &tried);
+                for spp in pick(given.spp, settings.spp, &SAMPLES) {
+                    let tried = Settings { spp, ..tried.clone() };
+                    let choice = with_passes(survey, scene, tried, &budget, device, maps);
+                    if best.as_ref().is_none_or(|best| better(&choice, best, &budget)) {
+                        best = Some(choice);
+                    }
                 }
             }
         }
