@@ -6,7 +6,7 @@ use crate::progress::Monitor;
 use crate::render::{failure, settings};
 use caustic_device::Device;
 use caustic_planner::{
-    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, choose, explain, findings,
+    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, explain, findings, settle,
 };
 use caustic_renderer::scene::{CompiledScene, Scene};
 use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderReport, Settings, Stop};
@@ -101,10 +101,9 @@ impl Planned {
         };
         // The stops of a budget are found again below.
         self.settings.stop = Stop::default();
-        let near = Settings { automatic_radius: !given.radius, ..self.settings.clone() };
-        let survey = survey(arguments, scene, &near, device, monitor)?;
-        let Choice { settings, prediction, met } =
-            choose(&survey, &self.compiled, &self.settings, given, budget, device);
+        let mut take = |near: &Settings| survey(arguments, scene, near, device, monitor);
+        let (survey, choice) = settle(&mut take, &self.compiled, &self.settings, given, budget, device)?;
+        let Choice { settings, prediction, met } = choice;
         let passes = settings.stop.passes;
         self.settings = settings;
         self.settings.stop = match (arguments.plan.quality, budget.error, budget.seconds) {

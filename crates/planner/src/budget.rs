@@ -133,6 +133,38 @@ pub fn choose(
     }
 }
 
+/// Surveys until what is chosen is near what was surveyed.
+const ROUNDS: usize = 4;
+
+/// [`choose`] with surveys near what is chosen: the first one is near `settings`, of automatic radius unless it is given. Returns the last survey
+/// and what is chosen by it.
+///
+/// # Errors
+/// Those of `survey`.
+pub fn settle<E>(
+    survey: &mut dyn FnMut(&Settings) -> Result<Survey, E>,
+    scene: &CompiledScene,
+    settings: &Settings,
+    given: Given,
+    budget: &Budget,
+    device: &Device,
+) -> Result<(Survey, Choice), E> {
+    let automatic_radius = !given.radius;
+    let mut near = Settings { automatic_radius, ..settings.clone() };
+    let mut found = survey(&near)?;
+    let mut choice = choose(&found, scene, settings, given, budget, device);
+    for _ in 1..ROUNDS {
+        if found.knows(&choice.settings) {
+            break;
+        }
+        let Settings { photons, caustic_photons, k, .. } = choice.settings;
+        near = Settings { photons, caustic_photons, k, ..near };
+        found = survey(&near)?;
+        choice = choose(&found, scene, settings, given, budget, device);
+    }
+    Ok((found, choice))
+}
+
 /// With as many passes as the budget allows or needs.
 fn with_passes(
     survey: &Survey,
