@@ -9,7 +9,7 @@ use caustic_device::Device;
 use caustic_photon_map::{Hash, MAX_K, RADII};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_SIDE;
-use caustic_renderer::{Integrator, PhotonFile, RenderError, Settings};
+use caustic_renderer::{Integrator, PhotonFile, RenderError, Settings, Show};
 use serde::{Deserialize, Serialize};
 
 pub use crate::pilot::Costs;
@@ -22,6 +22,8 @@ const CPU_PIXELS: f64 = 3072.0;
 const GPU_PIXELS: f64 = 131_072.0;
 /// Camera samples of its pixels.
 const SPP: u32 = 4;
+/// Camera samples of what is not from photons, where it has to be known well.
+const MANY: u32 = 64;
 /// How much smaller the smallest render is.
 const TINY: f64 = 8.0;
 /// Positions of photons that are kept of a map.
@@ -144,7 +146,11 @@ impl Survey {
             pilots.push(seeds(&Settings { k, radius, ..small.clone() })?);
         }
         let single = seeds(&Settings { spp: 1, ..small.clone() })?;
-        Ok(conclude(&few, &pilots, &single, [&tiny, &small], discs, positions))
+        let of_maps = matches!(settings.integrator, Integrator::Photon | Integrator::Progressive);
+        let direct = Settings { show: Show::Direct, spp: MANY, seed: SEEDS[0], ..small.clone() };
+        let many = (of_maps && settings.show == Show::Beauty).then(|| pilot(scene, &direct, device, costs, go_on));
+        let many = many.transpose()?;
+        Ok(conclude(&few, &pilots, &single, many.as_ref(), [&tiny, &small], discs, positions))
     }
 }
 
@@ -216,11 +222,12 @@ pub(crate) fn within(radius: f64) -> f32 {
 }
 
 /// What is to be learnt from small renders: one of `tiny` settings, and `small` ones for each number of photons in a disc, and
-/// those of a `single` sample a pixel.
+/// those of a `single` sample a pixel; `many` samples say what is not from photons.
 fn conclude(
     few: &Pilot,
     pilots: &[Seeds],
     single: &Seeds,
+    many: Option<&Pilot>,
     [tiny, small]: [&Settings; 2],
     discs: [u32; 3],
     positions: [Vec<[f32; 3]>; 2],
@@ -243,10 +250,10 @@ fn conclude(
     let entries = maps[0][2] + maps[1][2];
     let image = |i: usize| pilots[i].iter().map(|pilot| pilot.image_s).fold(f64::INFINITY, f64::min);
     let image_s = Work::through((samples(tiny), few.image_s), (samples(small), image(1))).fixed;
-    let largest = &pilots[2];
-    let noise = [0, 1, 2].map(|i| noise(&pilots[i], largest));
+    let expected = expected(&pilots[2], many);
+    let noise = [0, 1, 2].map(|i| noise(&pilots[i], &expected));
     let direct = noise.iter().map(|[all, photons]| (all - photons).max(0.0)).sum::<f64>() / 3.0;
-    let [all, photons_alone] = self::noise(single, largest);
+    let [all, photons_alone] = self::noise(single, &expected);
     Survey {
         emitted: maps.map(|map| map[0]),
         stored: maps.map(|[emitted, stored, _]| if emitted > 0.0 { stored / emitted } else { 0.0 }),
@@ -260,45 +267,50 @@ fn conclude(
         sample_s: [0, 1, 2].map(|i| (image(i) - image_s).max(0.0) / samples(small)),
         sample_noise: [(all - photons_alone).max(direct), direct],
         photon_noise: noise.map(|[_, photons]| photons),
-        blur: [0, 1].map(|step| blur([&pilots[step], &pilots[step + 1]], largest)),
+        blur: [0, 1].map(|step| blur([&pilots[step], &pilots[step + 1]], &expected)),
     }
 }
 
-/// Two seeds that differ, and the third, which says what is to be expected there: were it one of the two, a bright speck would be
-/// set against itself, and count little.
-const TURNS: [[usize; 3]; 3] = [[0, 1, 2], [1, 2, 0], [2, 0, 1]];
+/// Two seeds that differ.
+const PAIRS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
 
 /// A channel of a pixel, and the part of it that is from photon maps.
 fn values(pilot: &Pilot, i: usize) -> [f64; 2] {
     [pilot.image.rgb.as_flattened()[i], pilot.indirect.as_flattened()[i]].map(f64::from)
 }
 
-/// Sums `of` two seeds and a channel over all, relative to the square of the third seed's picture with the `largest` discs, the least noisy, as in
-/// [`caustic_metrics::relmse`].
-fn relative(largest: &Seeds, of: impl Fn([usize; 2], usize) -> f64) -> f64 {
-    let count = largest[0].image.rgb.len() * 3;
-    let mut sum = 0.0;
-    for [a, b, third] in TURNS {
-        for i in 0..count {
-            let expected = values(&largest[third], i)[0];
-            sum += of([a, b], i) / (expected * expected + caustic_metrics::EPSILON);
-        }
-    }
-    sum / (3 * count) as f64
+/// What each channel of each pixel is expected to be: the mean light of the largest discs, the least noisy, and the rest by many camera samples. By a
+/// picture's own noise, a bright speck would be set against itself, and count little.
+fn expected(largest: &Seeds, many: Option<&Pilot>) -> Vec<f64> {
+    let mean = |i: usize, part: usize| largest.iter().map(|pilot| values(pilot, i)[part]).sum::<f64>() / 3.0;
+    let channel = |i: usize| match many {
+        Some(many) => values(many, i)[0] + mean(i, 1),
+        None => mean(i, 0),
+    };
+    (0..3 * largest[0].image.rgb.len()).map(channel).collect()
+}
+
+/// The mean of `of` two seeds and a channel over all, relative to the square of what is expected, as in [`caustic_metrics::relmse`].
+fn relative(expected: &[f64], of: impl Fn([usize; 2], usize) -> f64) -> f64 {
+    let one = |(i, expected): (usize, &f64)| {
+        let sum: f64 = PAIRS.iter().map(|pair| of(*pair, i)).sum();
+        sum / (expected * expected + caustic_metrics::EPSILON)
+    };
+    expected.iter().enumerate().map(one).sum::<f64>() / (3 * expected.len()) as f64
 }
 
 /// relMSE of one picture from noise, and the part of it from photon maps: half the mean square difference of two seeds.
-fn noise(seeds: &Seeds, largest: &Seeds) -> [f64; 2] {
+fn noise(seeds: &Seeds, expected: &[f64]) -> [f64; 2] {
     [0, 1].map(|part| {
-        relative(largest, |[a, b], i| (values(&seeds[a], i)[part] - values(&seeds[b], i)[part]).powi(2) / 2.0)
+        relative(expected, |[a, b], i| (values(&seeds[a], i)[part] - values(&seeds[b], i)[part]).powi(2) / 2.0)
     })
 }
 
 /// Mean product of the differences that two seeds see between neighbouring discs: noise of two seeds is independent, so that it has no part
 /// in it.
-fn blur([less, more]: [&Seeds; 2], largest: &Seeds) -> f64 {
+fn blur([less, more]: [&Seeds; 2], expected: &[f64]) -> f64 {
     let differs = |seed: usize, i: usize| values(&more[seed], i)[1] - values(&less[seed], i)[1];
-    relative(largest, |[a, b], i| differs(a, i) * differs(b, i))
+    relative(expected, |[a, b], i| differs(a, i) * differs(b, i))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {
