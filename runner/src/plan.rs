@@ -6,7 +6,7 @@ use crate::progress::Monitor;
 use crate::render::{failure, settings};
 use caustic_device::Device;
 use caustic_planner::{
-    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, choose, explain, findings,
+    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, explain, findings, settle,
 };
 use caustic_renderer::scene::{CompiledScene, Scene};
 use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderReport, Settings, Stop};
@@ -103,10 +103,9 @@ impl Planned {
         };
         // The stops of a budget are found again below.
         self.settings.stop = Stop::default();
-        let near = Settings { automatic_radius: !given.radius, ..self.settings.clone() };
-        let survey = survey(arguments, scene, &near, device, monitor)?;
-        let Choice { settings, prediction, met } =
-            choose(&survey, &self.compiled, &self.settings, given, budget, device);
+        let mut take = |near: &Settings| survey(arguments, scene, near, device, monitor);
+        let (survey, choice) = settle(&mut take, &self.compiled, &self.settings, given, budget, device)?;
+        let Choice { settings, prediction, met } = choice;
         let passes = settings.stop.passes;
         self.settings = settings;
         self.settings.stop = match (arguments.plan.quality, budget.error, budget.seconds) {
@@ -150,9 +149,10 @@ impl Planned {
             eprintln!("warning: {}", finding.text);
         }
         if let (Some(prediction), Some(_)) = (&self.prediction, self.met) {
-            let Settings { photons, caustic_photons, k, radius, spp, .. } = self.settings;
+            let Settings { photons, caustic_photons, k, radius, spp, table, .. } = self.settings;
+            let table = table.map_or(String::new(), |table| format!(" --table {table}"));
             eprintln!(
-                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}, {} passes",
+                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}{table}, {} passes",
                 prediction.passes
             );
             eprintln!("{}", foreseen(prediction));
@@ -197,6 +197,7 @@ impl Planned {
                 "k": self.settings.k,
                 "radius": self.settings.radius,
                 "spp": self.settings.spp,
+                "table": self.settings.table,
                 "passes": self.prediction.as_ref().map(|prediction| prediction.passes),
             },
         })

@@ -8,7 +8,9 @@ use caustic_bench::record;
 use caustic_bench::row::Machine;
 use caustic_device::{Device, DeviceChoice, Precision};
 use caustic_experiments::store::Outcome;
-use caustic_planner::tradeoff::{Case, Event, Point, Store, csv, html, json, points, reference, run as measure, svg};
+use caustic_planner::tradeoff::{
+    Case, Event, Point, Store, csv, html, json, points, reference, run as measure, stability, svg,
+};
 use caustic_renderer::scene::Scene;
 use std::path::Path;
 
@@ -52,14 +54,17 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
     };
     let fast = device.is_gpu().then(|| Device::open_with(&arguments.device, Precision::Fast).ok()).flatten();
     let fast = fast.as_ref().map(|(device, _)| device);
-    let complete = measure(&scene, &all, &truth, [Some(&device), fast], &mut store, &mut |event| {
+    let devices = [Some(&device), fast];
+    let mut watch = |event: Event| {
         match event {
             Event::Begin(case, done) => monitor.begin(&case.knob, OF_REFERENCE + (1.0 - OF_REFERENCE) * done),
             Event::Done(case, Outcome::Skipped(reason)) => monitor.print(&format!("{case}: left out, {reason}")),
             Event::Done(..) => {}
         }
         monitor.goes_on()
-    });
+    };
+    let complete = measure(&scene, &all, &truth, devices, &mut store, &mut watch)
+        .and_then(|complete| Ok(complete && stability(arguments.quick, devices, &mut store, &mut watch)?));
     monitor.finish();
     let complete = complete.map_err(Failure::machine)?;
     write(folder, &scene, &all, &store)?;

@@ -1,10 +1,10 @@
 //! What a render leaves out, and what is foreseen of it.
 
 use caustic_device::Device;
-use caustic_planner::{Budget, Costs, Given, Survey, choose};
+use caustic_planner::{Budget, Costs, Given, Survey, choose, settle};
 use caustic_renderer::output::LayerKind;
 use caustic_renderer::scene::{BUILT_IN, Scene};
-use caustic_renderer::{Decision, ExpectedMap, Feature, Settings, decide, peak_bytes};
+use caustic_renderer::{Decision, ExpectedMap, Feature, Settings, Stop, decide, peak_bytes};
 use caustic_tests::gpu;
 use caustic_tests::renders::{LAMP, floats, image, load, parse, run, small};
 
@@ -121,10 +121,19 @@ fn a_budget_is_kept_and_its_choice_does_not_depend_on_the_machine() {
     let kept = choose(&survey, &compiled, &settings, given, &Budget { error: Some(0.05), ..Budget::default() }, &cpu);
     assert_eq!((kept.settings.k, kept.settings.photons), (settings.k, settings.photons));
 
-    // The noise that is foreseen is that of passes, within the goal of a factor of 1.5.
-    let passes = Settings { stop: caustic_renderer::Stop { passes: Some(8), ..Default::default() }, ..rough.settings };
+    // The noise that is foreseen is that of passes, within the goal of a factor of 1.5; and the memory within a tenth.
+    let mut take = |near: &Settings| Survey::take(&scene, near, &cpu, Costs::BuiltIn, &mut || true);
+    let budget = Budget { error: Some(0.05), ..Budget::default() };
+    let (near, found) = settle(&mut take, &compiled, &settings, Given::default(), &budget, &cpu).unwrap();
+    assert!(found.met && near.knows(&found.settings));
+    let passes = Settings { stop: Stop { passes: Some(8), ..Stop::default() }, ..found.settings };
     let report = run(&scene, &passes, &cpu).report;
-    let (foreseen, noise) = (survey.predict(&compiled, &passes, 8, &cpu).noise, report.noise.unwrap());
-    assert!((1.0 / 1.5..1.5).contains(&(foreseen / noise)), "{foreseen} was foreseen, {noise} came");
-    assert!(report.peak_bytes as f64 / rough.prediction.bytes as f64 > 0.5);
+    // Eight times the noise of eight times as many passes, whose mean is known well.
+    let many = Settings { seed: 99, stop: Stop { passes: Some(64), ..Stop::default() }, ..passes.clone() };
+    let noise = 8.0 * run(&scene, &many, &cpu).report.noise.unwrap();
+    let foreseen = near.predict(&compiled, &passes, 8, &cpu);
+    let ratio = foreseen.noise / noise;
+    assert!((1.0 / 1.5..1.5).contains(&ratio), "{foreseen:?}, {ratio} of the noise that came");
+    let ratio = foreseen.bytes as f64 / report.peak_bytes as f64;
+    assert!((0.9..1.1).contains(&ratio), "{foreseen:?}, {ratio} of what it took");
 }

@@ -3,6 +3,7 @@
 use crate::predict::Prediction;
 use crate::survey::{Survey, within};
 use caustic_device::Device;
+use caustic_photon_map::Hash;
 use caustic_renderer::scene::CompiledScene;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS};
 use caustic_renderer::{ExpectedMap, Settings, Stop};
@@ -77,8 +78,11 @@ const DISCS: [u32; 13] = [8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512
 /// Camera samples a pixel that are tried.
 const SAMPLES: [u32; 6] = [1, 2, 4, 8, 16, 32];
 
+/// Entries of a small table: less memory, built at once, and searched more slowly.
+const SMALL_TABLE: u32 = 1 << 16;
+
 /// The settings with the least error within the time and memory, or those that reach the error in the least time. All combinations of half
-/// powers of two of photons, of [`DISCS`] and [`SAMPLES`] are tried, each with as many passes as fit or are needed.
+/// powers of two of photons, of [`DISCS`] and [`SAMPLES`] and of two sizes of tables are tried, each with as many passes as fit or are needed.
 #[must_use]
 pub fn choose(
     survey: &Survey,
@@ -98,20 +102,27 @@ pub fn choose(
         let passes = settings.stop.passes.unwrap_or(1);
         budget.seconds = Some(survey.predict(scene, settings, passes, device).seconds);
     }
+    let linear = matches!(settings.hash, Hash::Auto | Hash::Linear);
+    let small = (linear && settings.table.is_none()).then_some(Some(SMALL_TABLE));
+    let tables: Vec<Option<u32>> = [Some(settings.table), small].into_iter().flatten().collect();
     let mut best: Option<Choice> = None;
     for photons in pick(given.photons, settings.photons, &photons) {
         let caustic = ((f64::from(photons) * ratio) as u32).min(MAX_PHOTONS);
         let caustic_photons = if given.caustic_photons { settings.caustic_photons } else { caustic };
         for k in pick(given.k, settings.k, &DISCS).into_iter().filter(|&k| k <= MAX_K) {
             let radius = if given.radius { settings.radius } else { within(survey.radius_for(k, photons)) };
-            let tried = Settings { photons, caustic_photons, k, radius, automatic_radius: false, ..settings.clone() };
-            // Their tables are as much work as all the rest.
-            let maps = survey.maps(scene, &tried);
-            for spp in pick(given.spp, settings.spp, &SAMPLES) {
-                let tried = Settings { spp, ..tried.clone() };
-                let choice = with_passes(survey, scene, tried, &budget, device, maps);
-                if best.as_ref().is_none_or(|best| better(&choice, best, &budget)) {
-                    best = Some(choice);
+            for table in &tables {
+                let (table, automatic_radius) = (*table, false);
+                let tried =
+                    Settings { photons, caustic_photons, k, radius, automatic_radius, table, ..settings.clone() };
+                // Their tables are as much work as all the rest.
+                let maps = survey.maps(scene, &tried);
+                for spp in pick(given.spp, settings.spp, &SAMPLES) {
+                    let tried = Settings { spp, ..tried.clone() };
+                    let choice = with_passes(survey, scene, tried, &budget, device, maps);
+                    if best.as_ref().is_none_or(|best| better(&choice, best, &budget)) {
+                        best = Some(choice);
+                    }
                 }
             }
         }
@@ -120,6 +131,38 @@ pub fn choose(
         Some(best) => best,
         None => unreachable!("something is always tried"),
     }
+}
+
+/// Surveys until what is chosen is near what was surveyed.
+const ROUNDS: usize = 4;
+
+/// [`choose`] with surveys near what is chosen: the first one is near `settings`, of automatic radius unless it is given. Returns the last survey
+/// and what is chosen by it.
+///
+/// # Errors
+/// Those of `survey`.
+pub fn settle<E>(
+    survey: &mut dyn FnMut(&Settings) -> Result<Survey, E>,
+    scene: &CompiledScene,
+    settings: &Settings,
+    given: Given,
+    budget: &Budget,
+    device: &Device,
+) -> Result<(Survey, Choice), E> {
+    let automatic_radius = !given.radius;
+    let mut near = Settings { automatic_radius, ..settings.clone() };
+    let mut found = survey(&near)?;
+    let mut choice = choose(&found, scene, settings, given, budget, device);
+    for _ in 1..ROUNDS {
+        if found.knows(&choice.settings) {
+            break;
+        }
+        let Settings { photons, caustic_photons, k, .. } = choice.settings;
+        near = Settings { photons, caustic_photons, k, ..near };
+        found = survey(&near)?;
+        choice = choose(&found, scene, settings, given, budget, device);
+    }
+    Ok((found, choice))
 }
 
 /// With as many passes as the budget allows or needs.

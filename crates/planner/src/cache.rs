@@ -10,7 +10,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Version of the files.
-const FORMAT: u32 = 2;
+const FORMAT: u32 = 4;
 
 #[derive(Serialize, Deserialize)]
 struct File {
@@ -103,7 +103,7 @@ mod tests {
             entry_s: 1e-9,
             image_s: 0.125,
             sample_s: [1e-6; 3],
-            sample_noise: 0.5,
+            sample_noise: [0.5, 0.25],
             photon_noise: [0.1, 0.2, 0.3],
             blur: [1e-5, 2e-5],
         };

@@ -56,6 +56,10 @@ pub fn explain(
     let usual = Settings::of(scene);
     if global || caustic {
         lines.push(hash(settings));
+        if let Some(table) = settings.table {
+            let why = if chosen { "chosen for the budget, or asked for" } else { "asked for" };
+            lines.push(Line::new("table", format!("{table} entries"), format!("{why}: the most of a linear hash")));
+        }
         lines.push(gather(settings, device));
         let radius = if settings.automatic_radius { "auto".to_string() } else { format!("{} m", settings.radius) };
         let of_radius =

@@ -1,8 +1,8 @@
 //! What a render models and with which settings: explained, predicted before it begins, and chosen for a budget.
 //!
 //! [`explain`] says why a render does what it does. A [`Survey`] is made of small renders of the scene; from it, [`Survey::predict`] foretells
-//! time, memory, noise and bias of a large one, and [`choose`] finds the settings that a [`Budget`] asks for. [`tradeoff`] measures what
-//! [`choose`] relies on, over all knobs.
+//! time, memory, noise and bias of a large one, and [`settle`] finds the settings that a [`Budget`] asks for. [`tradeoff`] measures what
+//! this relies on, over all knobs.
 
 mod advice;
 mod budget;
@@ -15,7 +15,7 @@ mod survey;
 pub mod tradeoff;
 
 pub use advice::advice;
-pub use budget::{Budget, Choice, Given, Quality, choose};
+pub use budget::{Budget, Choice, Given, Quality, choose, settle};
 pub use explain::{Line, explain};
 pub use predict::Prediction;
 pub use range::{Finding, findings};

@@ -1,7 +1,7 @@
 //! Small renders of a scene that tell of large ones.
 //!
 //! A small render has fewer photons, and discs that are larger by as much: an estimate then sums as many photons, so it costs as much and is
-//! as noisy. Three numbers of photons in a disc, a factor of four apart, say how time, noise and bias depend on it; two seeds tell noise
+//! as noisy. Three numbers of photons in a disc, a factor of four apart, say how time, noise and bias depend on it; seeds tell noise
 //! from bias; a render of an eighth the size tells what does not depend on size.
 
 use crate::pilot::{Pilot, pilot};
@@ -9,7 +9,7 @@ use caustic_device::Device;
 use caustic_photon_map::{Hash, MAX_K, RADII};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_SIDE;
-use caustic_renderer::{Integrator, PhotonFile, RenderError, Settings};
+use caustic_renderer::{Integrator, PhotonFile, RenderError, Settings, Show};
 use serde::{Deserialize, Serialize};
 
 pub use crate::pilot::Costs;
@@ -22,6 +22,8 @@ const CPU_PIXELS: f64 = 3072.0;
 const GPU_PIXELS: f64 = 131_072.0;
 /// Camera samples of its pixels.
 const SPP: u32 = 4;
+/// Camera samples of what is not from photons, where it has to be known well.
+const MANY: u32 = 64;
 /// How much smaller the smallest render is.
 const TINY: f64 = 8.0;
 /// Positions of photons that are kept of a map.
@@ -29,7 +31,10 @@ const POSITIONS: usize = 2048;
 /// Ratio of the numbers of photons in a disc.
 const STEP: u32 = 4;
 /// Seeds of small renders: of no picture that anyone asks for.
-const SEEDS: [u32; 2] = [0x51de_0001, 0x51de_0002];
+const SEEDS: [u32; 3] = [0x51de_0001, 0x51de_0002, 0x51de_0003];
+
+/// The same render with each seed.
+type Seeds = [Pilot; 3];
 
 /// Work that takes `fixed` seconds and `each` seconds for each item.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -80,8 +85,8 @@ pub struct Survey {
     pub image_s: f64,
     /// A camera sample with each number of photons in a disc, s.
     pub sample_s: [f64; 3],
-    /// relMSE of one pass that one camera sample a pixel would have from all but the photons.
-    pub sample_noise: f64,
+    /// relMSE of one pass from all but the photons, with one camera sample a pixel and with four.
+    pub sample_noise: [f64; 2],
     /// relMSE from photons, with each number of them in a disc.
     pub photon_noise: [f64; 3],
     /// Mean square of how much pictures of neighbouring numbers of photons in a disc differ but for noise, as relMSE.
@@ -130,15 +135,22 @@ impl Survey {
         // The first one waits for the driver to compile, and for memory.
         pilot(scene, &Settings { seed: SEEDS[0], ..tiny.clone() }, device, costs, go_on)?;
         let few = pilot(scene, &Settings { seed: SEEDS[1], ..tiny.clone() }, device, costs, go_on)?;
+        let mut seeds = |settings: &Settings| -> Result<Seeds, RenderError> {
+            let [a, b, c] =
+                SEEDS.map(|seed| pilot(scene, &Settings { seed, ..settings.clone() }, device, costs, go_on));
+            Ok([a?, b?, c?])
+        };
         let mut pilots = Vec::new();
         for (i, k) in discs.into_iter().enumerate() {
             let radius = within(f64::from(small.radius) * f64::from(STEP).sqrt().powi(i as i32 - 1));
-            let of_seed =
-                SEEDS.map(|seed| pilot(scene, &Settings { k, radius, seed, ..small.clone() }, device, costs, go_on));
-            let [a, b] = of_seed;
-            pilots.push([a?, b?]);
+            pilots.push(seeds(&Settings { k, radius, ..small.clone() })?);
         }
-        Ok(conclude(&few, &pilots, [&tiny, &small], discs, positions))
+        let single = seeds(&Settings { spp: 1, ..small.clone() })?;
+        let of_maps = matches!(settings.integrator, Integrator::Photon | Integrator::Progressive);
+        let direct = Settings { show: Show::Direct, spp: MANY, seed: SEEDS[0], ..small.clone() };
+        let many = (of_maps && settings.show == Show::Beauty).then(|| pilot(scene, &direct, device, costs, go_on));
+        let many = many.transpose()?;
+        Ok(conclude(&few, &pilots, &single, many.as_ref(), [&tiny, &small], discs, positions))
     }
 }
 
@@ -167,7 +179,7 @@ fn positions(
 fn reduced(settings: &Settings, gpu: bool) -> Settings {
     let all = f64::from(settings.photons) + f64::from(settings.caustic_photons);
     let most = if gpu { GPU_PHOTONS } else { CPU_PHOTONS };
-    let share = (most / all.max(1.0)).min(0.25);
+    let share = (most / all.max(1.0)).min(1.0);
     let fewer = |photons: u32| (f64::from(photons) * share).ceil() as u32;
     let [width, height] = settings.size.map(f64::from);
     let pixels = if gpu { GPU_PIXELS } else { CPU_PIXELS };
@@ -209,10 +221,13 @@ pub(crate) fn within(radius: f64) -> f32 {
     (radius as f32).clamp(*RADII.start(), *RADII.end())
 }
 
-/// What is to be learnt from small renders: one of `tiny` settings, and pairs of `small` ones for each number of photons in a disc.
+/// What is to be learnt from small renders: one of `tiny` settings, and `small` ones for each number of photons in a disc, and
+/// those of a `single` sample a pixel; `many` samples say what is not from photons.
 fn conclude(
     few: &Pilot,
-    pilots: &[[Pilot; 2]],
+    pilots: &[Seeds],
+    single: &Seeds,
+    many: Option<&Pilot>,
     [tiny, small]: [&Settings; 2],
     discs: [u32; 3],
     positions: [Vec<[f32; 3]>; 2],
@@ -235,8 +250,10 @@ fn conclude(
     let entries = maps[0][2] + maps[1][2];
     let image = |i: usize| pilots[i].iter().map(|pilot| pilot.image_s).fold(f64::INFINITY, f64::min);
     let image_s = Work::through((samples(tiny), few.image_s), (samples(small), image(1))).fixed;
-    let [noise, indirect] = noises(pilots);
-    let direct = (0..3).map(|i| (noise[i] - indirect[i]).max(0.0)).sum::<f64>() / 3.0;
+    let expected = expected(&pilots[2], many);
+    let noise = [0, 1, 2].map(|i| noise(&pilots[i], &expected));
+    let direct = noise.iter().map(|[all, photons]| (all - photons).max(0.0)).sum::<f64>() / 3.0;
+    let [all, photons_alone] = self::noise(single, &expected);
     Survey {
         emitted: maps.map(|map| map[0]),
         stored: maps.map(|[emitted, stored, _]| if emitted > 0.0 { stored / emitted } else { 0.0 }),
@@ -248,53 +265,52 @@ fn conclude(
         entry_s: if entries > 0.0 { middle(&|pilot| pilot.tables_s) / entries } else { 0.0 },
         image_s,
         sample_s: [0, 1, 2].map(|i| (image(i) - image_s).max(0.0) / samples(small)),
-        sample_noise: direct * f64::from(small.spp),
-        photon_noise: indirect,
-        blur: blurs(pilots),
+        sample_noise: [(all - photons_alone).max(direct), direct],
+        photon_noise: noise.map(|[_, photons]| photons),
+        blur: [0, 1].map(|step| blur([&pilots[step], &pilots[step + 1]], &expected)),
     }
 }
 
-/// Square of a pixel's value that errors are relative to, as in [`caustic_metrics::relmse`].
-fn scale(pilots: &[[Pilot; 2]], i: usize) -> f64 {
-    let value = |pilot: &Pilot| f64::from(pilot.image.rgb.as_flattened()[i]);
-    let all = pilots.iter().flatten();
-    let mean = all.clone().map(value).sum::<f64>() / all.count() as f64;
-    mean * mean + caustic_metrics::EPSILON
+/// Two seeds that differ.
+const PAIRS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
+
+/// A channel of a pixel, and the part of it that is from photon maps.
+fn values(pilot: &Pilot, i: usize) -> [f64; 2] {
+    [pilot.image.rgb.as_flattened()[i], pilot.indirect.as_flattened()[i]].map(f64::from)
 }
 
-/// relMSE of one picture from noise, and the part of it from photon maps, for each number of photons in a disc: half the mean square
-/// difference of two seeds.
-fn noises(pilots: &[[Pilot; 2]]) -> [[f64; 3]; 2] {
-    let values = pilots[0][0].image.rgb.len() * 3;
-    let mut noise = [[0.0; 3]; 2];
-    for i in 0..values {
-        let weight = 0.5 / scale(pilots, i) / values as f64;
-        for (disc, [a, b]) in pilots.iter().enumerate() {
-            let whole = |pilot: &Pilot| pilot.image.rgb.as_flattened()[i];
-            let part = |pilot: &Pilot| pilot.indirect.as_flattened()[i];
-            noise[0][disc] += f64::from(whole(a) - whole(b)).powi(2) * weight;
-            noise[1][disc] += f64::from(part(a) - part(b)).powi(2) * weight;
-        }
-    }
-    noise
+/// What each channel of each pixel is expected to be: the mean light of the largest discs, the least noisy, and the rest by many camera samples. By a
+/// picture's own noise, a bright speck would be set against itself, and count little.
+fn expected(largest: &Seeds, many: Option<&Pilot>) -> Vec<f64> {
+    let mean = |i: usize, part: usize| largest.iter().map(|pilot| values(pilot, i)[part]).sum::<f64>() / 3.0;
+    let channel = |i: usize| match many {
+        Some(many) => values(many, i)[0] + mean(i, 1),
+        None => mean(i, 0),
+    };
+    (0..3 * largest[0].image.rgb.len()).map(channel).collect()
+}
+
+/// The mean of `of` two seeds and a channel over all, relative to the square of what is expected, as in [`caustic_metrics::relmse`].
+fn relative(expected: &[f64], of: impl Fn([usize; 2], usize) -> f64) -> f64 {
+    let one = |(i, expected): (usize, &f64)| {
+        let sum: f64 = PAIRS.iter().map(|pair| of(*pair, i)).sum();
+        sum / (expected * expected + caustic_metrics::EPSILON)
+    };
+    expected.iter().enumerate().map(one).sum::<f64>() / (3 * expected.len()) as f64
+}
+
+/// relMSE of one picture from noise, and the part of it from photon maps: half the mean square difference of two seeds.
+fn noise(seeds: &Seeds, expected: &[f64]) -> [f64; 2] {
+    [0, 1].map(|part| {
+        relative(expected, |[a, b], i| (values(&seeds[a], i)[part] - values(&seeds[b], i)[part]).powi(2) / 2.0)
+    })
 }
 
 /// Mean product of the differences that two seeds see between neighbouring discs: noise of two seeds is independent, so that it has no part
 /// in it.
-fn blurs(pilots: &[[Pilot; 2]]) -> [f64; 2] {
-    let values = pilots[0][0].image.rgb.len() * 3;
-    let mut blur = [0.0; 2];
-    for i in 0..values {
-        let weight = 1.0 / scale(pilots, i) / values as f64;
-        for (step, blur) in blur.iter_mut().enumerate() {
-            let difference = |seed: usize| {
-                let part = |disc: usize| f64::from(pilots[disc][seed].indirect.as_flattened()[i]);
-                part(step + 1) - part(step)
-            };
-            *blur += difference(0) * difference(1) * weight;
-        }
-    }
-    blur
+fn blur([less, more]: [&Seeds; 2], expected: &[f64]) -> f64 {
+    let differs = |seed: usize, i: usize| values(&more[seed], i)[1] - values(&less[seed], i)[1];
+    relative(expected, |[a, b], i| differs(a, i) * differs(b, i))
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -5,12 +5,14 @@ mod point;
 mod reference;
 mod report;
 mod run;
+mod stability;
 
 pub use front::{Front, front};
 pub use point::{Case, Point, points};
 pub use reference::reference;
 pub use report::{csv, html, json, svg};
 pub use run::{Event, run};
+pub use stability::stability;
 
 /// Results of a sweep in a file.
 pub type Store = caustic_experiments::store::StoreOf<Case>;

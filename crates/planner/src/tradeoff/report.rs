@@ -1,8 +1,8 @@
 //! What a sweep shows: a page, a table for programs, and plots.
 
-use super::Store;
 use super::front::{Front, front};
 use super::point::{Case, Point};
+use super::{Store, stability};
 use caustic_experiments::figure::{Axis, Chart, Line, Table};
 use caustic_experiments::report::{STYLE, escaped, table};
 use caustic_experiments::store::Outcome;
@@ -98,24 +98,20 @@ pub fn svg(store: &Store, points: &[(Case, Point)], title: &str) -> Result<Vec<(
     let plots = [("time", "seconds", Axis::Time, 1e3), ("memory", "memory_bytes", Axis::Bytes, 1.0)];
     let one = |(name, cost, axis, unit): (&str, &str, Axis, f64)| {
         let at = |row: &Row<'_>| (row.number(cost) * unit, row.number("relmse"));
-        let mut knobs: Vec<&str> = rows.iter().map(|row| row.point.knob).collect();
-        knobs.dedup();
-        let mut seen = Vec::new();
-        let mut lines = Vec::new();
-        for knob in knobs {
-            if seen.contains(&knob) {
-                continue;
-            }
-            seen.push(knob);
-            let of_knob = rows.iter().filter(|row| row.point.knob == knob);
-            lines.push(Line { subject: seen.len() - 1, label: knob.to_string(), points: of_knob.map(at).collect() });
-        }
+        // The front comes first, in a colour of its own.
         let front = front_over(&rows, cost);
         let worth = front.worth.iter().map(|&i| at(&rows[i])).collect();
-        lines.push(Line { subject: seen.len(), label: "worth having (Pareto)".to_string(), points: worth });
+        let mut lines = vec![Line { subject: 0, label: "worth having (Pareto)".to_string(), points: worth }];
         if let Some(knee) = front.knee {
             let label = format!("knee: {} {}", rows[knee].point.knob, rows[knee].point.value);
-            lines.push(Line { subject: seen.len() + 1, label, points: vec![at(&rows[knee])] });
+            lines.push(Line { subject: 1, label, points: vec![at(&rows[knee])] });
+        }
+        for row in &rows {
+            let label = row.point.knob;
+            match lines.iter_mut().find(|line| line.label == label) {
+                Some(line) => line.points.push(at(row)),
+                None => lines.push(Line { subject: lines.len() + 1, label: label.to_string(), points: vec![at(row)] }),
+            }
         }
         lines.retain(|line| line.points.iter().any(|(x, y)| x.is_finite() && y.is_finite()));
         let title = format!("{title}: error over {name}");
@@ -186,6 +182,9 @@ pub fn html(store: &Store, points: &[(Case, Point)], svgs: &[(String, String)], 
     });
     let title = "All points".to_string();
     table(&mut page, &Table { title, columns: columns.map(str::to_string).into(), rows: of_rows.collect() }, false);
+    for of_number in stability::tables(store, header.quick) {
+        table(&mut page, &of_number, true);
+    }
     let skipped: String = store
         .cases()
         .filter_map(|(case, outcome)| match outcome {
