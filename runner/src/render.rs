@@ -356,6 +356,7 @@ pub fn failure(error: &RenderError) -> Failure {
         RenderError::Interrupted => Failure::interrupted_before_image(),
         RenderError::AfterPass(_)
         | RenderError::CutShort { .. }
+        | RenderError::Elsewhere { .. }
         | RenderError::Map(
             MapError::CutShort { .. } | MapError::Device(DeviceError::DeviceLost { .. } | DeviceError::Stage { .. }),
         ) => Failure::machine(error),

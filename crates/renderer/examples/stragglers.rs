@@ -106,17 +106,20 @@ fn main() {
     let passes = 20_000;
     let mut expected = ProgressState::new(SMALL, 0.1, false);
     (0..passes).for_each(|number| expected.absorb(pass(number)).expect("each once"));
-    println!("{passes} passes, one queue:\n devices  efficiency with stragglers  and failures  passes lost");
+    println!("efficiency for {passes} passes, of all that the devices could do:");
+    println!(" devices  equal parts     queue  queue, failures  passes lost");
     for devices in [1, 10, 100, 1000, 10_000] {
-        let healthy = f64::from(passes) / f64::from(devices);
+        let ideal = f64::from(passes) / (0..devices).map(|device| 1.0 / slowness(device)).sum::<f64>();
+        let parts = (0..devices).map(|device| f64::from(passes / devices) * slowness(device)).fold(0.0, f64::max);
         let mut row = Vec::new();
         for fails in [false, true] {
             let mut merged = ProgressState::new(SMALL, 0.1, false);
             let (time, lost) = simulate(devices, passes, fails, &mut merged);
             assert!(merged == expected, "{devices} devices merged something else");
-            row.push((healthy / time, lost));
+            row.push((ideal / time * 1e2, lost));
         }
-        println!("{devices:8} {:26.1} % {:11.1} % {:12}", row[0].0 * 1e2, row[1].0 * 1e2, row[1].1);
+        let parts = ideal / parts * 1e2;
+        println!("{devices:8} {parts:10.1} % {:7.1} % {:14.1} % {:12}", row[0].0, row[1].0, row[1].1);
     }
     println!(
         "1e12 photons, a million a pass, parts merged by one process or by pairs of processes:\n devices  compute   one process   speed-up   by pairs   speed-up"

@@ -11,6 +11,7 @@ use crate::work::WorkUnit;
 use crate::worker::{Outcome, Worker};
 use crate::{PhotonFile, RenderError, Settings};
 use caustic_device::Device;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -70,16 +71,28 @@ pub(crate) fn work(
         let (send, news) = mpsc::channel();
         // Nobody listens to the end of a thread any more if there was an error.
         let first_send = send.clone();
-        scope.spawn(move || first_send.send(News::Ended(0, run(shared.queue, first, 0, &first_send))));
+        scope.spawn(move || {
+            let ended = caught(0, || run(shared.queue, first, 0, &first_send));
+            first_send.send(News::Ended(0, ended))
+        });
         for (number, &device) in devices.iter().enumerate().skip(1) {
             let send = send.clone();
-            scope.spawn(move || send.send(News::Ended(number, begin(shared, device, number, &send))));
+            scope.spawn(move || {
+                let ended = caught(number, || begin(shared, device, number, &send));
+                send.send(News::Ended(number, ended))
+            });
         }
         drop(send);
         let result = attend(shared, devices, remote, gathering, progress, &news);
         shared.queue.stop();
         result
     })
+}
+
+/// A driver that panics is a device that is lost. Nothing that the work has changed is used afterwards.
+fn caught(worker: usize, work: impl FnOnce() -> Result<(), RenderError>) -> Result<(), RenderError> {
+    let panicked = |_| RenderError::Elsewhere { worker, reason: "it panicked".to_string() };
+    catch_unwind(AssertUnwindSafe(work)).map_err(panicked)?
 }
 
 /// A thread: puts the scene on a device and goes to work.
@@ -151,8 +164,7 @@ fn attend(
                 }
             }
             Err(RecvTimeoutError::Timeout) => {}
-            // All threads have ended; one that did not say so has panicked.
-            Err(RecvTimeoutError::Disconnected) if running > 0 => break,
+            // All threads here have ended.
             Err(RecvTimeoutError::Disconnected) => thread::sleep(REMOTE_NEWS),
         }
         if shown.elapsed() > NEWS {

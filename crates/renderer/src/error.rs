@@ -60,7 +60,7 @@ pub enum RenderError {
         /// Why.
         reason: String,
     },
-    /// Another process could not compute its units.
+    /// Another process, or a thread of this one, could not compute its units.
     #[error("worker {worker}: {reason}")]
     Elsewhere {
         /// Which one.
@@ -100,7 +100,10 @@ pub enum RenderError {
 impl RenderError {
     /// Whether another device may be able to do what this one could not.
     pub(crate) fn is_of_device(&self) -> bool {
-        matches!(self, Self::CutShort { .. } | Self::Map(MapError::CutShort { .. } | MapError::Device(_)))
+        matches!(
+            self,
+            Self::CutShort { .. } | Self::Elsewhere { .. } | Self::Map(MapError::CutShort { .. } | MapError::Device(_))
+        )
     }
 }
 

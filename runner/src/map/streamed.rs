@@ -8,7 +8,7 @@ use crate::render::failure;
 use caustic_bench::points::Points;
 use caustic_device::Device;
 use caustic_kernels::gather::distance2;
-use caustic_kernels::layout::{Neighbour, Photon, Query};
+use caustic_kernels::layout::{Arrival, Neighbour, Photon, Query};
 use caustic_photon_map::{MapOptions, NearestStreamed};
 use caustic_renderer::{Progress, RenderError};
 use std::time::Instant;
@@ -19,7 +19,9 @@ const CHECKED: usize = 8;
 /// reused.
 const PHOTON_BYTES: u64 = 160;
 /// Bytes besides: the program, the table of cells (64 MiB), and the neighbours of a part of the queries.
-const OTHER_BYTES: u64 = 500 << 20;
+const OTHER_BYTES: u64 = 400 << 20;
+/// Most bytes of a photon in one buffer.
+const BUFFER_BYTES: u64 = size_of::<Arrival>() as u64;
 
 /// Draws, builds, searches and checks chunk by chunk, and reports.
 pub fn run(arguments: &MapArguments, source: &Source, memory: u64) -> Result<(), Failure> {
@@ -46,6 +48,7 @@ pub fn run(arguments: &MapArguments, source: &Source, memory: u64) -> Result<(),
             memory >> 20
         )));
     }
+    let fits = fits.min(device.largest_buffer() / BUFFER_BYTES);
     // Chunks of one size, so that the memory of one serves the next.
     let chunks = u64::from(count).div_ceil(fits);
     let chunk = u64::from(count).div_ceil(chunks) as u32;
