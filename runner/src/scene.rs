@@ -22,7 +22,7 @@ pub fn run(command: &SceneCommand) -> Result<(), Failure> {
 /// Lists the built-in scenes.
 fn list(json: bool) -> Result<(), Failure> {
     if json {
-        let line = |scene: &BuiltIn| serde_json::json!({ "name": scene.name, "line": scene.description() });
+        let line = |scene: &BuiltIn| serde_json::json!({ "name": scene.name, "description": scene.description() });
         println!("{:#}", serde_json::Value::from(BUILT_IN.iter().map(line).collect::<Vec<_>>()));
         return Ok(());
     }

@@ -172,7 +172,7 @@ fn small(scene: &Scene, hash: Hash, seed: u32) -> Settings {
 fn other_ways(settings: &Settings) -> [Settings; 2] {
     let smaller = Settings { size: [20, 15], photons: 5000, caustic_photons: 2000, k: 30, ..settings.clone() };
     // Neither has all of the layers.
-    let smaller = Settings { layers: Vec::new(), ..smaller };
+    let smaller = Settings { layers: Vec::new(), keep: Keep::All, ..smaller };
     let paths = Settings { integrator: Integrator::Path, ..smaller.clone() };
     let (filter, surface) = (Filter::Gaussian, Surface::Own);
     [paths, Settings { filter, surface, final_gather: 2, ..smaller }]

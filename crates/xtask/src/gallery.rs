@@ -69,7 +69,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             continue;
         }
         let entry = entries.entry(name.clone()).or_default();
-        entry.description = scene["line"].as_str().unwrap_or_default().to_string();
+        entry.description = scene["description"].as_str().unwrap_or_default().to_string();
         render(&program, root, &name, arguments, entry)?;
         fs::write(&record, format!("{}\n", serde_json::to_string_pretty(&entries)?))?;
     }
