@@ -127,6 +127,7 @@ fn a_budget_is_kept_and_its_choice_does_not_depend_on_the_machine() {
     let (near, found) = settle(&mut take, &compiled, &settings, Given::default(), &budget, &cpu).unwrap();
     assert!(found.met && near.knows(&found.settings));
     let passes = Settings { stop: Stop { passes: Some(8), ..Stop::default() }, ..found.settings };
+    cpu.reset_peak_bytes();
     let report = run(&scene, &passes, &cpu).report;
     // Eight times the noise of eight times as many passes, whose mean is known well.
     let many = Settings { seed: 99, stop: Stop { passes: Some(64), ..Stop::default() }, ..passes.clone() };

@@ -82,7 +82,7 @@ const SAMPLES: [u32; 6] = [1, 2, 4, 8, 16, 32];
 const SMALL_TABLE: u32 = 1 << 16;
 
 /// The settings with the least error within the time and memory, or those that reach the error in the least time. All combinations of half
-/// powers of two of photons, of [`DISCS`] and [`SAMPLES`] and of two sizes of tables are tried, each with as many passes as fit or are needed.
+/// powers of two of photons, of numbers of neighbours and of samples, and of two sizes of tables are tried, each with as many passes as fit or are needed.
 #[must_use]
 pub fn choose(
     survey: &Survey,
@@ -103,20 +103,19 @@ pub fn choose(
         budget.seconds = Some(survey.predict(scene, settings, passes, device).seconds);
     }
     let linear = matches!(settings.hash, Hash::Auto | Hash::Linear);
-    let small = (linear && settings.table.is_none()).then_some(Some(SMALL_TABLE));
-    let tables: Vec<Option<u32>> = [Some(settings.table), small].into_iter().flatten().collect();
+    let small = if linear && settings.table.is_none() { Some(SMALL_TABLE) } else { settings.table };
     let mut best: Option<Choice> = None;
     for photons in pick(given.photons, settings.photons, &photons) {
         let caustic = ((f64::from(photons) * ratio) as u32).min(MAX_PHOTONS);
         let caustic_photons = if given.caustic_photons { settings.caustic_photons } else { caustic };
         for k in pick(given.k, settings.k, &DISCS).into_iter().filter(|&k| k <= MAX_K) {
             let radius = if given.radius { settings.radius } else { within(survey.radius_for(k, photons)) };
-            for table in &tables {
-                let (table, automatic_radius) = (*table, false);
-                let tried =
-                    Settings { photons, caustic_photons, k, radius, automatic_radius, table, ..settings.clone() };
-                // Their tables are as much work as all the rest.
-                let maps = survey.maps(scene, &tried);
+            let tried = Settings { photons, caustic_photons, k, radius, automatic_radius: false, ..settings.clone() };
+            // How large tables are takes as long to say as all the rest; a small one is no larger than it may be.
+            let whole = survey.maps(scene, &tried);
+            let held_back = whole.map(|map| ExpectedMap { table: map.table.min(f64::from(SMALL_TABLE)), ..map });
+            for (table, maps) in [(settings.table, whole), (small, held_back)] {
+                let tried = Settings { table, ..tried.clone() };
                 for spp in pick(given.spp, settings.spp, &SAMPLES) {
                     let tried = Settings { spp, ..tried.clone() };
                     let choice = with_passes(survey, scene, tried, &budget, device, maps);

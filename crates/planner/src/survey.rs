@@ -27,7 +27,7 @@ const MANY: u32 = 64;
 /// How much smaller the smallest render is.
 const TINY: f64 = 8.0;
 /// Positions of photons that are kept of a map.
-const POSITIONS: usize = 2048;
+const POSITIONS: usize = 1024;
 /// Ratio of the numbers of photons in a disc.
 const STEP: u32 = 4;
 /// Seeds of small renders: of no picture that anyone asks for.
