@@ -33,7 +33,7 @@ mod worker;
 pub use accumulate::ProgressState;
 pub use buffers::{SceneBuffers, Tracers};
 pub use checkpoint::{Checkpoint, CheckpointError, digest};
-pub use crew::{Remote, compute_for};
+pub use crew::{Order, Remote, compute_for};
 pub use error::RenderError;
 pub use ledger::LightLedger;
 pub use parts::{MergeError, Merged, merge, write_part};
