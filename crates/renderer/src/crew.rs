@@ -21,16 +21,19 @@ const NEWS: Duration = Duration::from_millis(50);
 /// The same where others have to be asked for theirs.
 const REMOTE_NEWS: Duration = Duration::from_micros(500);
 
+/// A unit to compute, and the radius of the first pass, m.
+pub type Order = (WorkUnit, f32);
+
 /// Workers elsewhere that compute units of the same render: other processes, which have the same scene and settings.
 pub trait Remote {
     /// How many there are.
     fn workers(&self) -> usize;
 
-    /// Gives one a unit to compute, with the radius of the first pass; or nothing, after which it ends.
+    /// Gives one a unit to compute; or nothing, after which it ends.
     ///
     /// # Errors
     /// If it cannot be reached.
-    fn send(&mut self, worker: usize, unit: Option<(WorkUnit, f32)>) -> Result<(), RenderError>;
+    fn send(&mut self, worker: usize, unit: Option<Order>) -> Result<(), RenderError>;
 
     /// What one of them has sent, if there is anything: what [`compute_for`] gives.
     ///
@@ -243,7 +246,7 @@ pub fn compute_for(
     settings: &Settings,
     device: &Device,
     photons: Option<&PhotonFile>,
-    exchange: &mut dyn FnMut(Option<Vec<u8>>) -> Result<Option<(WorkUnit, f32)>, RenderError>,
+    exchange: &mut dyn FnMut(Option<Vec<u8>>) -> Result<Option<Order>, RenderError>,
 ) -> Result<(), RenderError> {
     let compiled = scene.compile();
     let Some((mut unit, first_radius)) = exchange(None)? else { return Ok(()) };

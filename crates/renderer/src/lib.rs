@@ -35,7 +35,7 @@ mod worker;
 pub use accumulate::ProgressState;
 pub use buffers::{SceneBuffers, Tracers};
 pub use checkpoint::{Checkpoint, CheckpointError, digest};
-pub use crew::{Remote, compute_for};
+pub use crew::{Order, Remote, compute_for};
 pub use error::RenderError;
 pub use feature::{Decision, Feature, decide};
 pub use footprint::{ExpectedMap, peak_bytes};
