@@ -2,27 +2,25 @@
 
 use caustic_renderer::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// A flag that Ctrl-C sets; the second one ends the program at once.
-fn stop_on_signal() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let on_signal = Arc::clone(&stop);
-    // Without a handler Ctrl-C ends the program at once, which also leaves no file behind.
-    let _ = ctrlc::set_handler(move || {
-        if on_signal.swap(true, Relaxed) {
+/// Whether the user wants to stop. There is one flag, however many bars are shown after each other: only the first handler counts.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Has Ctrl-C set the flag; the second one ends the program at once.
+fn stop_on_signal() {
+    // Without a handler Ctrl-C ends the program at once, which also leaves no file behind. An error says that there is one already.
+    let _ = ctrlc::set_handler(|| {
+        if STOP.swap(true, Relaxed) {
             std::process::exit(130);
         }
     });
-    stop
 }
 
 /// A progress bar that also knows whether the user wants to stop.
 pub struct Monitor {
     bar: ProgressBar,
     phase: &'static str,
-    stop: Arc<AtomicBool>,
 }
 
 impl Monitor {
@@ -31,7 +29,8 @@ impl Monitor {
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(1) };
         let style = ProgressStyle::with_template("{msg:16} [{bar:40}] {percent:>3} %  {elapsed} elapsed, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
-        Self { bar, phase: "", stop: stop_on_signal() }
+        stop_on_signal();
+        Self { bar, phase: "" }
     }
 
     /// Shows how far the work is. Returns whether it should go on.
@@ -43,7 +42,7 @@ impl Monitor {
         }
         self.bar.set_length(progress.total);
         self.bar.set_position(progress.done);
-        !self.stop.load(Relaxed)
+        !STOP.load(Relaxed)
     }
 
     /// Removes the bar.
@@ -58,7 +57,6 @@ const STEPS: f64 = 10_000.0;
 /// A progress bar below the rows of a benchmark.
 pub struct BenchMonitor {
     bar: ProgressBar,
-    stop: Arc<AtomicBool>,
 }
 
 impl BenchMonitor {
@@ -67,7 +65,8 @@ impl BenchMonitor {
         let bar = ProgressBar::new(STEPS as u64);
         let style = ProgressStyle::with_template("{msg:32} [{bar:30}] {percent:>3} %  {elapsed} elapsed, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
-        Self { bar, stop: stop_on_signal() }
+        stop_on_signal();
+        Self { bar }
     }
 
     /// Says what begins, and how much of all is done.
@@ -83,7 +82,7 @@ impl BenchMonitor {
 
     /// Whether the user has not stopped it.
     pub fn goes_on(&self) -> bool {
-        !self.stop.load(Relaxed)
+        !STOP.load(Relaxed)
     }
 
     /// Removes the bar.

@@ -66,7 +66,7 @@ fn prepare(arguments: &RenderArguments, shared: bool) -> Result<Job<'_>, Failure
     check_output(arguments, output)?;
     if (shared || arguments.how.part.is_some()) && differs_between_machines(arguments) {
         return Err(Failure::input(
-            "settings chosen for a budget differ between machines and moments, and all that share a render need the same; add --costs built-in, or the settings that `caustic plan` prints",
+            "--part and MPI need the same settings everywhere, and those chosen for a budget differ between machines and moments; give --passes instead, or add --costs built-in",
         ));
     }
     if arguments.denoise && !can_denoise() {

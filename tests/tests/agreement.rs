@@ -28,10 +28,11 @@ const NOT_BY_PATHS: [(&str, &str); 5] = [
 ];
 
 /// A scene that it can do, the smaller and the larger radius, m.
-const SCENES: [(&str, [f32; 2]); 7] = [
+const SCENES: [(&str, [f32; 2]); 8] = [
     ("cornell", [0.06, 0.5]),
     ("cornell-coated", [0.06, 0.5]),
     ("cornell-glossy", [0.06, 0.5]),
+    ("courtyard", [0.2, 2.0]),
     ("furnace", [0.1, 0.6]),
     ("hall", [0.15, 2.0]),
     ("micro", [6e-7, 5e-6]),

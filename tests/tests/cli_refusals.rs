@@ -10,7 +10,7 @@ fn bad_flags_are_refused() {
     let k = ["--k", "whole number", "1 to 1024"];
     let sides = ["--size", "WIDTHxHEIGHT", "1 to 65536", "640x480"];
     let photons = ["photons", "1 to 536870912"];
-    let device = ["--device", "auto, cpu, gpu or gpu:NAME_OR_INDEX", "caustic info"];
+    let device = ["--device", "auto, cpu, gpu, gpu:NAME_OR_INDEX", "caustic info"];
     for (flag, values, words) in [
         ("--k", &["0", "100000000", "-1", "1.5", ""][..], &k[..]),
         ("--radius", &["0", "-1", "-0", "inf", "-inf", "nan", "1e-40", "1e39", "wide"], &metres),

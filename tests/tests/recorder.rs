@@ -8,7 +8,7 @@ use caustic_kernels::sort::ScanParams;
 use caustic_photon_map::{Filter, Gather, Hash, MapOptions, PhotonMap, RadixSort, Surface};
 use caustic_recorder::{Counts, Recorder, StageAccesses};
 use caustic_renderer::output::LayerKind;
-use caustic_renderer::{Integrator, Settings};
+use caustic_renderer::{Integrator, Keep, Settings};
 use caustic_rivals::{Photons, Technique, k_nearest};
 use caustic_tests::points::sets;
 use caustic_tests::renders;
@@ -178,7 +178,8 @@ fn recorded_kernels_write_what_the_fast_ones_write() {
     for name in ["cornell", "cornell-glossy"] {
         let scene = renders::load(name);
         let small = Settings { size: [12, 9], ..renders::small(&scene) };
-        renders::image(&scene, &Settings { layers: LayerKind::OF_PHOTON_MAPS.to_vec(), ..small.clone() }, &device);
+        let layers = LayerKind::OF_PHOTON_MAPS.to_vec();
+        renders::image(&scene, &Settings { layers, keep: Keep::Visible, ..small.clone() }, &device);
         renders::image(&scene, &Settings { integrator: Integrator::Path, ..small.clone() }, &device);
         for hash in [Hash::Linear, Hash::Morton] {
             let (surface, filter) = (Surface::Own, Filter::Gaussian);

@@ -1,7 +1,7 @@
 //! Sine and cosine of turns and back, from polynomials in written-out order.
 
 use super::div::div;
-use super::float::{SIGN, abs, flush};
+use super::float::{NAN, SIGN, abs, flush, is_nan};
 
 /// `(sin 2πt, cos 2πt)`, each within 8e-8 of the exact value and never above 1; exactly 0 and ±1 at multiples
 /// of ¼.
@@ -40,7 +40,7 @@ pub fn sin_cos_turns(t: f32) -> (f32, f32) {
 }
 
 /// The angle of the vector (x, y) from the x axis, in turns from −½ to ½: within 4e-8 of the exact value for finite coordinates,
-/// and 0 for no vector. Source: a polynomial through the Chebyshev points of atan(√s) / (2π√s), s from 0 to 1, 3·10⁻⁹ off in exact
+/// 0 for no vector, and [`NAN`] for what has no angle. Source: a polynomial through the Chebyshev points of atan(√s) / (2π√s), s from 0 to 1, 3·10⁻⁹ off in exact
 /// arithmetic; what remains is rounding.
 ///
 /// Fast: the driver's own.
@@ -70,7 +70,14 @@ pub fn atan2_turns(y: f32, x: f32) -> f32 {
         turns = 0.5 - turns;
     }
     let turns = flush(turns);
-    if y < 0.0 { -turns } else { turns }
+    // Devices differ in the bits of a NaN.
+    if is_nan(turns) {
+        NAN
+    } else if y < 0.0 {
+        -turns
+    } else {
+        turns
+    }
 }
 
 #[cfg(test)]
