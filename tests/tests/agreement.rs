@@ -19,7 +19,11 @@ const BLOCK: u32 = 4;
 
 /// Scenes that the path tracer cannot do, with the reason: it finds light that comes from a point or from the sun through smooth mirrors or glass
 /// with no chance at all, and through nearly smooth ones with nearly none.
-const NOT_BY_PATHS: [(&str, &str); 5] = [
+const NOT_BY_PATHS: [(&str, &str); 6] = [
+    (
+        "courtyard",
+        "paths find the sun of its environment in mirror and glass so seldom that means are 3 % off; tests/sky.rs has an environment without",
+    ),
     ("lamps", "point lights shine through a glass ball and off a mirror ball"),
     ("landscape", "the lake mirrors the sun"),
     ("ring", "paths find the sun in polished brass so seldom that the mean of a million is 9 % off"),
@@ -28,11 +32,10 @@ const NOT_BY_PATHS: [(&str, &str); 5] = [
 ];
 
 /// A scene that it can do, the smaller and the larger radius, m.
-const SCENES: [(&str, [f32; 2]); 8] = [
+const SCENES: [(&str, [f32; 2]); 7] = [
     ("cornell", [0.06, 0.5]),
     ("cornell-coated", [0.06, 0.5]),
     ("cornell-glossy", [0.06, 0.5]),
-    ("courtyard", [0.2, 2.0]),
     ("furnace", [0.1, 0.6]),
     ("hall", [0.15, 2.0]),
     ("micro", [6e-7, 5e-6]),
