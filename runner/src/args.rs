@@ -4,7 +4,9 @@ mod bench;
 mod compare;
 mod experiments;
 mod integrator;
+mod map;
 mod merge;
+mod numbers;
 mod photons;
 mod picture;
 mod plan;
@@ -14,6 +16,7 @@ pub use bench::BenchArguments;
 pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
 pub use integrator::{IntegratorArguments, RadiusArgument};
+pub use map::MapArguments;
 pub use merge::MergeArguments;
 pub use photons::{DumpArgument, PhotonsArguments};
 pub use picture::{DisplayArguments, LayerArgument, TonemapArguments, layers};
@@ -21,11 +24,12 @@ pub use plan::{CostsArgument, PlanArguments};
 pub use tradeoff::TradeoffArguments;
 
 use caustic_device::{DeviceChoice, DeviceChoices, Precision};
-use caustic_photon_map::{Gather, Hash, MAX_TABLE, RADII};
+use caustic_photon_map::{Gather, Hash};
 use caustic_renderer::Show;
-use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
+use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SPP};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
+use numbers::{size, table, whole};
 use std::path::PathBuf;
 
 /// Photon mapping with one Rust source for CPU and GPU, the same bits on both.
@@ -230,44 +234,6 @@ pub struct RenderArguments {
     pub json: bool,
 }
 
-#[derive(Args)]
-pub struct MapArguments {
-    /// uniform:N, surface:N, clustered:N or cell:N for synthetic photons in a unit cube, or a text file with `x y z` a line.
-    #[arg(long, value_name = "FILE|KIND:N", default_value = "uniform:1000000")]
-    pub photons: String,
-    /// Number of queries, drawn like the photons.
-    #[arg(long, value_name = "N", default_value = "300000", value_parser = whole(1, 1 << 26), allow_negative_numbers = true)]
-    pub queries: u32,
-    /// Neighbours of each query.
-    #[arg(long, value_name = "K", default_value = "50", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]
-    pub k: u32,
-    /// Largest distance of a neighbour; if not given, one within which 2·K photons are expected.
-    #[arg(long, value_name = "R", value_parser = radius, allow_hyphen_values = true)]
-    pub radius: Option<f32>,
-    /// Hash function.
-    #[arg(long, value_enum, default_value_t)]
-    pub hash: HashArgument,
-    /// Container that collects the nearest photons.
-    #[arg(long, value_enum, default_value_t)]
-    pub gather: GatherArgument,
-    /// Whether a GPU gives the CPU's bits, or is free to be faster.
-    #[arg(long, value_enum, default_value_t)]
-    pub precision: PrecisionArgument,
-    /// Where to run: auto, cpu, gpu, or gpu:NAME_OR_INDEX (see `caustic info`).
-    #[arg(long, value_name = "D", default_value = "auto")]
-    pub device: DeviceChoice,
-    /// Memory to stay within, such as 4GB or 900MiB: photons are drawn, mapped and searched in chunks that fit, with the same neighbours. Times
-    /// are then those of all of it, once.
-    #[arg(long, value_name = "BYTES", value_parser = bytes, conflicts_with = "repeat")]
-    pub memory: Option<u64>,
-    /// Times to repeat; the median counts.
-    #[arg(long, value_name = "N", default_value = "5", value_parser = whole(1, 1000), allow_negative_numbers = true)]
-    pub repeat: u32,
-    /// Prints JSON instead of a table.
-    #[arg(long)]
-    pub json: bool,
-}
-
 #[derive(Clone, Copy, Default, ValueEnum)]
 pub enum HashArgument {
     /// Linear, unless its table is too small for how the photons crowd; then Teschner.
@@ -381,46 +347,6 @@ impl From<ShowArgument> for Show {
             ShowArgument::MapCaustic => Self::MapCaustic,
         }
     }
-}
-
-fn table(text: &str) -> Result<u32, String> {
-    let number = whole(1, MAX_TABLE)(text)?;
-    if number.is_power_of_two() { Ok(number) } else { Err("it must be a power of two".to_string()) }
-}
-
-fn whole(least: u32, most: u32) -> impl Fn(&str) -> Result<u32, String> + Clone + Send + Sync + 'static {
-    move |text| {
-        let number = text.parse::<u32>().ok().filter(|number| (least..=most).contains(number));
-        number.ok_or_else(|| format!("it must be a whole number from {least} to {most}"))
-    }
-}
-
-/// A number of bytes with a unit.
-fn bytes(text: &str) -> Result<u64, String> {
-    const UNITS: [(&str, u64); 6] = [
-        ("MiB", 1 << 20),
-        ("GiB", 1 << 30),
-        ("TiB", 1 << 40),
-        ("MB", 1_000_000),
-        ("GB", 1_000_000_000),
-        ("TB", 1_000_000_000_000),
-    ];
-    let parsed = UNITS.iter().find_map(|(unit, size)| {
-        let number = text.strip_suffix(unit)?.trim().parse::<f64>().ok()?;
-        (number > 0.0 && number < 1e6).then_some((number * *size as f64) as u64)
-    });
-    parsed.ok_or_else(|| "it must be a number with MB, GB, TB, MiB, GiB or TiB, such as 4GB".to_string())
-}
-
-fn radius(text: &str) -> Result<f32, String> {
-    let number = text.parse::<f32>().ok().filter(|radius| RADII.contains(radius));
-    number.ok_or_else(|| "it must be a number of metres from 1e-9 to 1e18".to_string())
-}
-
-fn size(text: &str) -> Result<[u32; 2], String> {
-    let parse = |side: &str| side.parse::<u32>().ok().filter(|side| (1..=MAX_SIDE).contains(side));
-    let sides = text.split_once(['x', 'X']).and_then(|(width, height)| Some([parse(width)?, parse(height)?]));
-    sides.ok_or_else(|| format!("it must be WIDTHxHEIGHT, each from 1 to {MAX_SIDE}, for example 640x480"))
 }
 
 #[cfg(test)]

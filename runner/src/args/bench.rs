@@ -1,6 +1,6 @@
 //! The command line of `caustic bench`.
 
-use super::whole;
+use super::numbers::whole;
 use caustic_bench::case::MAX_N;
 use caustic_device::DeviceChoice;
 use clap::Args;

@@ -1,6 +1,6 @@
 //! Arguments that say how a picture comes about, and when it is finished.
 
-use super::whole;
+use super::numbers::whole;
 use caustic_photon_map::{Filter, RADII, Surface};
 use caustic_renderer::{Integrator, Keep, MAX_FINAL_GATHER, MAX_PASSES, Part, Stop};
 use clap::{Args, ValueEnum};

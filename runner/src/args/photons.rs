@@ -1,6 +1,7 @@
 //! The command line of `caustic photons`.
 
-use super::{HashArgument, PrecisionArgument, ShowArgument, radius, whole};
+use super::numbers::{radius, whole};
+use super::{HashArgument, PrecisionArgument, ShowArgument};
 use caustic_device::DeviceChoice;
 use caustic_renderer::scene::limits::MAX_PHOTONS;
 use clap::{Args, ValueEnum};

@@ -1,5 +1,6 @@
 //! Arguments that leave decisions to the planner, or take them from it.
 
+use super::numbers::bytes;
 use caustic_planner::{Costs, Quality};
 use caustic_renderer::Feature;
 use clap::{Args, ValueEnum};
@@ -84,40 +85,6 @@ impl From<CostsArgument> for Costs {
         match costs {
             CostsArgument::Measured => Self::Measured,
             CostsArgument::BuiltIn => Self::BuiltIn,
-        }
-    }
-}
-
-/// A number of bytes with a unit.
-fn bytes(text: &str) -> Result<u64, String> {
-    let wrong = || "it must be a number of bytes with a unit, such as 512MB or 2GiB".to_string();
-    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
-    let (number, unit) = text.split_at(digits);
-    let number: f64 = number.parse().map_err(|_| wrong())?;
-    let unit = match unit.to_ascii_lowercase().as_str() {
-        "b" => 1.0,
-        "kb" => 1e3,
-        "mb" => 1e6,
-        "gb" => 1e9,
-        "kib" => 1024.0,
-        "mib" => 1_048_576.0,
-        "gib" => 1_073_741_824.0,
-        _ => return Err(wrong()),
-    };
-    let bytes = number * unit;
-    if (1.0..=1e18).contains(&bytes) { Ok(bytes as u64) } else { Err(wrong()) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::bytes;
-
-    #[test]
-    fn bytes_have_units() {
-        assert_eq!(bytes("512MB"), Ok(512_000_000));
-        assert_eq!(bytes("1.5GiB"), Ok(1_610_612_736));
-        for wrong in ["512", "MB", "-1MB", "1e9", "0MB", "1XB", "", "1.2.3GB"] {
-            assert!(bytes(wrong).is_err(), "{wrong}");
         }
     }
 }
