@@ -55,7 +55,7 @@ fn a_map_of_chunks_stays_within_its_memory() {
     );
     assert!(number("chunks") > 1 && number("peak_bytes") <= 700_000_000);
     refused(&folder, &[&map[..], &["10MB"]].concat(), &["--memory", "too little", "give at least"]);
-    refused(&folder, &[&map[..], &["10"]].concat(), &["--memory", "4GB"]);
+    refused(&folder, &[&map[..], &["10"]].concat(), &["--memory", "512MB or 2GiB"]);
     std::fs::write(folder.path().join("points.txt"), "0 0 0").expect("a file");
     refused(&folder, &["map", "--photons", "points.txt", "--memory", "1GB"], &["--memory", "synthetic"]);
 }
