@@ -175,7 +175,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "N", value_parser = whole(0, MAX_PHOTONS), allow_negative_numbers = true)]
     pub caustic_photons: Option<u32>,
     /// Takes the photons from a file of `caustic photons SCENE -o FILE` instead of tracing them: the image is the same.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["photons", "caustic_photons"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["photons", "caustic_photons", "thin"])]
     pub load_map: Option<PathBuf>,
     /// Photons in an estimate: more are smoother and slower, fewer are sharper and noisier.
     #[arg(long, value_name = "K", value_parser = whole(1, MAX_K), allow_negative_numbers = true)]

@@ -11,6 +11,7 @@ use caustic_experiments::store::Outcome;
 use caustic_planner::tradeoff::{
     Case, Event, Point, Store, csv, html, json, points, reference, run as measure, stability, svg,
 };
+use caustic_renderer::Show;
 use caustic_renderer::scene::Scene;
 use std::path::Path;
 
@@ -22,16 +23,18 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
     let scene = Scene::load(&arguments.scene).map_err(Failure::input)?;
     let given = (arguments.reference != "auto").then(|| Path::new(&arguments.reference));
     let folder = &arguments.output;
+    let show = Show::from(arguments.show);
+    let title = if show == Show::Beauty { scene.name.clone() } else { format!("{}, {}", scene.name, show.name()) };
     let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
     let named = named(&arguments.device, &device);
-    let all: Vec<(Case, Point)> = points(&scene, arguments.quick, device.is_gpu())
+    let all: Vec<(Case, Point)> = points(&scene, arguments.quick, show, device.is_gpu())
         .into_iter()
         .map(|point| (point.case(&arguments.scene, &named), point))
         .collect();
     if arguments.report_only {
         let nothing = || Failure::input(format!("-o {}: there are no results in this folder", folder.display()));
         let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
-        return write(folder, &scene, &all, &store);
+        return write(folder, &title, &all, &store);
     }
     eprintln!("{line}");
     if let Some(path) = given {
@@ -40,7 +43,7 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
     let machine = Machine::of(&device);
     let mut store = Store::open(folder, &machine, arguments.quick, &command::line()).map_err(Failure::input)?;
     let monitor = BenchMonitor::new();
-    let truth = reference(&scene, &device, arguments.quick, given, folder, &mut |progress| {
+    let truth = reference(&scene, &device, arguments.quick, show, given, folder, &mut |progress| {
         monitor.begin("reference", OF_REFERENCE * progress.done as f64 / progress.total.max(1) as f64);
         monitor.goes_on()
     });
@@ -67,7 +70,7 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
         .and_then(|complete| Ok(complete && stability(arguments.quick, devices, &mut store, &mut watch)?));
     monitor.finish();
     let complete = complete.map_err(Failure::machine)?;
-    write(folder, &scene, &all, &store)?;
+    write(folder, &title, &all, &store)?;
     if complete { Ok(()) } else { Err(Failure::interrupted_sweep(store.cases().count())) }
 }
 
@@ -80,9 +83,9 @@ fn named(asked: &DeviceChoice, device: &Device) -> String {
 }
 
 /// Writes the report, also of a sweep that was interrupted.
-fn write(folder: &Path, scene: &Scene, points: &[(Case, Point)], store: &Store) -> Result<(), Failure> {
-    let svgs = svg(store, points, &scene.name).map_err(Failure::machine)?;
-    let page = html(store, points, &svgs, &scene.name);
+fn write(folder: &Path, title: &str, points: &[(Case, Point)], store: &Store) -> Result<(), Failure> {
+    let svgs = svg(store, points, title).map_err(Failure::machine)?;
+    let page = html(store, points, &svgs, title);
     let mut files = vec![
         ("report.html".to_string(), page),
         ("points.csv".to_string(), csv(store, points)),

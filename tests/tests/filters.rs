@@ -23,7 +23,7 @@ fn even_estimates(filter: Filter, k: Option<u32>) -> Vec<f64> {
         let queries: Vec<_> = (0..14u32 * 14)
             .map(|i| query([0.09375 + 0.0625 * (i % 14) as f32, 0.0, 0.09375 + 0.0625 * (i / 14) as f32]))
             .collect();
-        let estimate = Estimate { filter, surface: Surface::Any, k, gather: Gather::Auto };
+        let estimate = Estimate { filter, surface: Surface::Any, k, ..Estimate::default() };
         let estimates = map.estimate(&cpu, &queries, &estimate).unwrap();
         found.extend(estimates.iter().map(|estimate| f64::from(estimate.rgb[1])));
     }

@@ -5,7 +5,7 @@ use caustic_kernels::gather::GatherParams;
 use caustic_kernels::grid::{Grid, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
 use caustic_kernels::sort::ScanParams;
-use caustic_photon_map::{Filter, Gather, Hash, MapOptions, PhotonMap, RadixSort, Surface};
+use caustic_photon_map::{Filter, Gather, Hash, MapOptions, Nearest, PhotonMap, RadixSort, Surface};
 use caustic_recorder::{Counts, Recorder, StageAccesses};
 use caustic_renderer::output::LayerKind;
 use caustic_renderer::{Integrator, Keep, Settings};
@@ -185,6 +185,11 @@ fn recorded_kernels_write_what_the_fast_ones_write() {
             let (surface, filter) = (Surface::Own, Filter::Gaussian);
             let other = Settings { hash, surface, filter, automatic_radius: true, final_gather: 2, ..small.clone() };
             renders::image(&scene, &other, &device);
+            let (nearest, interpolate) = (Nearest::Approximate, 2);
+            let rough = Settings { hash, nearest, interpolate, ..small.clone() };
+            renders::image(&scene, &rough, &device);
+            renders::image(&scene, &Settings { compact: true, ..rough }, &device);
+            renders::image(&scene, &Settings { hash, compact: true, ..small.clone() }, &device);
         }
     }
     let keys = device.upload("keys", &(0..9000u32).rev().collect::<Vec<_>>()).unwrap();

@@ -121,11 +121,45 @@ macro_rules! stages {
             columns(Columns) ReachHistogram = reach_histogram [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 reaches: Out Reach
-            ) = gather::gather_reach[true, _];
+            ) = gather::gather_reach[true, _, _];
             columns(Columns) ReachHistogramHashed = reach_histogram_hashed [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 begins: In u32, 7 reaches: Out Reach
-            ) = gather::gather_reach[false, _];
+            ) = gather::gather_reach[false, _, _];
+            each LikelyReach = likely_reach [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 sites: In Site,
+                5 begins: In u32, 6 reaches: Out Reach
+            ) = gather::likely_reach[true, _, _];
+            each LikelyReachHashed = likely_reach_hashed [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 sites: In Site,
+                5 begins: In u32, 6 reaches: Out Reach
+            ) = gather::likely_reach[false, _, _];
+            each SnapPhotons = snap_photons [256] (
+                0 grid: One Grid, 1 photons: InOut Photon
+            ) = gather::snap_photons;
+            batch(Moved) ReorderCompact = reorder_compact [256] (
+                0 grid: One Grid, 1 order: In u32, 2 photons: In Photon, 3 records: Out Compact
+            ) = gather::reorder_compact;
+            columns(Columns) ReachCompact = reach_compact [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 records: In Compact, 6 begins: In u32, 7 reaches: Out Reach
+            ) = gather::gather_reach[true, _, _];
+            columns(Columns) ReachCompactHashed = reach_compact_hashed [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 records: In Compact, 6 begins: In u32, 7 reaches: Out Reach
+            ) = gather::gather_reach[false, _, _];
+            each LikelyReachCompact = likely_reach_compact [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 records: In Compact,
+                5 begins: In u32, 6 reaches: Out Reach
+            ) = gather::likely_reach[false, _, _];
+            each IrradianceCompact = irradiance_compact [64] (
+                0 params: One EstimateParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 reaches: In Reach, 6 records: In Compact, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
+            ) = gather::gather_compact[true, _];
+            each IrradianceCompactHashed = irradiance_compact_hashed [64] (
+                0 params: One EstimateParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 reaches: In Reach, 6 records: In Compact, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
+            ) = gather::gather_compact[false, _];
             each IrradianceFiltered = irradiance_filtered [64] (
                 0 params: One EstimateParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 reaches: In Reach, 6 vertices: In Vertex, 7 primitives: In Primitive, 8 sites: In Site,
@@ -361,6 +395,15 @@ macro_rules! stages {
             each SumGather = sum_gather [64] (
                 0 tile: One GatherTile, 1 gather_vertices: In Vertex, 2 estimates: In Irradiance, 3 irradiance: Out Irradiance
             ) = trace::sum_gather;
+            each SpareQueries = spare_queries [64] (
+                0 tile: One LatticeTile, 1 camera: One Camera, 2 queries: In Query, 3 vertices: In Vertex,
+                4 key_queries: In Query, 5 key_vertices: In Vertex, 6 spared: Out Query
+            ) = trace::spare_queries;
+            each LendIrradiance = lend_irradiance [64] (
+                0 tile: One LatticeTile, 1 camera: One Camera, 2 queries: In Query, 3 vertices: In Vertex,
+                4 key_queries: In Query, 5 key_vertices: In Vertex, 6 key_irradiance: In Irradiance, 7 spared: In Query,
+                8 own: In Irradiance, 9 irradiance: Out Irradiance
+            ) = trace::lend_irradiance;
             each DevelopFilm = develop_film [64] (
                 0 tile: One FilmTile, 1 vertices: In Vertex, 2 direct: In Irradiance, 3 global: In Irradiance,
                 4 caustic: In Irradiance, 5 film: Out Pixel
@@ -407,7 +450,7 @@ macro_rules! stages {
             ) = probe::layout_ledger;
             each LayoutFilm = layout_film [64] (
                 0 camera: In Camera, 1 tile: In CameraTile, 2 vertices: In Vertex, 3 film_tile: In FilmTile, 4 film: In Pixel,
-                5 gather: In GatherTile, 6 layers: In LayerPixel, 7 words: Out u32
+                5 gather: In GatherTile, 6 layers: In LayerPixel, 7 lattice: In LatticeTile, 8 words: Out u32
             ) = probe::layout_film;
         }
     };

@@ -66,6 +66,12 @@ pub enum MapError {
         /// Most there may be.
         max: u32,
     },
+    /// A compact map does not know enough of its photons.
+    #[error("a compact map has no {what}: its photons have neither a direction nor a surface; build a whole one")]
+    Compact {
+        /// What was asked for.
+        what: &'static str,
+    },
     /// The device did not run loops to their end.
     #[error(
         "{device} ended {searches} searches before their end, as llvmpipe does after 65,535 steps; use --device cpu, or fewer photons or a smaller radius"

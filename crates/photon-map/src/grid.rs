@@ -107,9 +107,18 @@ pub fn plan_grid(
         cell_width: round_down((1.0 - 2f64.powi(-20)) / f64::from(inverse_cell)),
         slack: (inner * 2f64.powi(-22)) as f32 + f32::EPSILON,
         rows: 0,
+        step: step(low, high, extent),
     };
     grid.rows = rows(&grid).len() as u32;
     Ok(grid)
+}
+
+/// Steps of a compact map: 2²¹ of them are longer than the box, and each is four units of the last place of a coordinate at least, so that
+/// a point of the lattice is the nearest to itself however it is rounded.
+fn step(low: [f32; 3], high: [f32; 3], extent: f64) -> f32 {
+    let farthest = low.into_iter().chain(high).fold(f32::MIN_POSITIVE, |most, x| most.max(x.abs()));
+    let last_place = f64::from(farthest.next_up()) - f64::from(farthest);
+    (extent / f64::from((1 << 21) - 4)).max(4.0 * last_place).max(1e-30) as f32
 }
 
 /// The rows of cells that a search may have to visit, nearest first: those within the radius of some query in some cell of the

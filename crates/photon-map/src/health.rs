@@ -45,8 +45,8 @@ impl PhotonMap {
     /// [`MapError::Device`].
     pub fn health(&self, device: &Device) -> Result<Health, MapError> {
         let grid = *self.grid();
-        let [sites, _, begins] = self.buffers();
-        let sites: Vec<Site> = device.read(sites, u64::from(grid.photons))?;
+        let [_, _, begins] = self.buffers();
+        let sites = self.sites(device)?;
         let begins: Vec<u32> = device.read(begins, u64::from(grid.table) + 1)?;
         let mut health = spread(&grid, &sites, &begins);
         let rows = rows(&grid);
@@ -116,9 +116,9 @@ fn meet(position: [f32; 3], grid: &Grid, rows: &[Row], sites: &[Site], begins: &
     let mut asked = Asked { radius2: grid.radius2, bounds: Cell::new(0), offers: 0 };
     let all = (&mut (), &mut (), &mut asked);
     let whole = if grid.hash == HASH_LINEAR {
-        search::<true, _, _, _, _>(position, grid, rows, sites, &(), begins, all.0, all.1, all.2)
+        search::<true, _, _, _, _, _>(position, grid, rows, sites, &(), begins, all.0, all.1, all.2)
     } else {
-        search::<false, _, _, _, _>(position, grid, rows, sites, &(), begins, all.0, all.1, all.2)
+        search::<false, _, _, _, _, _>(position, grid, rows, sites, &(), begins, all.0, all.1, all.2)
     };
     debug_assert!(whole, "the CPU ends no loop early");
     // The first row that is beyond the radius is asked for too; it is the last.

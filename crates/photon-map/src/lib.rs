@@ -29,7 +29,7 @@ mod streamed;
 pub use error::MapError;
 pub use grid::{MAX_TABLE, RADII, bounds, plan_grid, rows};
 pub use health::Health;
-pub use map::{Estimate, Filter, Neighbours, PhotonMap, Seen, Surface, query_count, sample, whole};
+pub use map::{Estimate, Filter, Nearest, Neighbours, PhotonMap, Seen, Surface, query_count, sample, whole};
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use seen::SeenCells;
 pub use sort::{RadixSort, scan};

@@ -2,13 +2,13 @@
 
 mod estimate;
 
-pub use estimate::{Estimate, Filter, Seen, Surface};
+pub use estimate::{Estimate, Filter, Nearest, Seen, Surface};
 
 use crate::grid::{MAX_PHOTONS, bounds, plan_grid, rows};
 use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MAX_K, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
-use caustic_kernels::gather::{CUT_SHORT, GatherParams};
+use caustic_kernels::gather::{CUT_SHORT, Compact, GatherParams, Placed, Reach};
 use caustic_kernels::grid::{BEGINS_BLOCK, GRID_BLOCK, Grid, HASH_LINEAR, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 
@@ -18,6 +18,8 @@ pub struct PhotonMap {
     grid: Grid,
     grid_buffer: Buffer,
     rows: Buffer,
+    /// Of a compact map its records are all there is.
+    compact: Option<Buffer>,
     sites: Buffer,
     arrivals: Buffer,
     begins: Buffer,
@@ -61,6 +63,17 @@ impl PhotonMap {
         Self::plan_with_rows(device, plan, unsorted, grid, &rows(&grid))
     }
 
+    /// The same with photons of 16 bytes, a quarter of what they take else: positions are rounded to [`Grid::step`] and powers to a 256th of
+    /// their largest channel, in `unsorted` as well. Only estimates of [`Surface::Any`] can be made from it.
+    ///
+    /// # Errors
+    /// [`MapError::Device`].
+    pub fn plan_compact(device: &Device, plan: &mut Plan, unsorted: &Buffer, grid: Grid) -> Result<Self, MapError> {
+        let grid_buffer = device.upload("map: grid of steps", &[grid])?;
+        plan.each(Kernel::SnapPhotons, grid.photons, &[&grid_buffer, unsorted]);
+        Self::plan_records(device, plan, unsorted, grid, &rows(&grid), true)
+    }
+
     /// [`PhotonMap::plan`] with rows of cells of the caller's, for the measurement of others than [`rows`]. A search ends at the first
     /// row whose least distance is beyond its bound, so all rows after it have to be as far.
     ///
@@ -70,8 +83,19 @@ impl PhotonMap {
         device: &Device,
         plan: &mut Plan,
         unsorted: &Buffer,
+        grid: Grid,
+        rows: &[Row],
+    ) -> Result<Self, MapError> {
+        Self::plan_records(device, plan, unsorted, grid, rows, false)
+    }
+
+    fn plan_records(
+        device: &Device,
+        plan: &mut Plan,
+        unsorted: &Buffer,
         mut grid: Grid,
         rows: &[Row],
+        compact: bool,
     ) -> Result<Self, MapError> {
         grid.rows = rows.len() as u32;
         let count = grid.photons;
@@ -86,10 +110,18 @@ impl PhotonMap {
         let power = device.scratch::<u32>("map: power", 3)?;
         let entries = (grid.table + 1).div_ceil(BEGINS_BLOCK);
         plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
-        let sites = device.scratch::<Site>("map: sites", u64::from(count))?;
-        let arrivals = device.scratch::<Arrival>("map: arrivals", u64::from(count))?;
-        plan.each(Kernel::ReorderPhotons, count, &[&grid_buffer, &sorted.order, unsorted, &power, &sites, &arrivals]);
-        Ok(Self { grid, grid_buffer, rows, sites, arrivals, begins, power })
+        let whole = u64::from(if compact { 0 } else { count });
+        let sites = device.scratch::<Site>("map: sites", whole)?;
+        let arrivals = device.scratch::<Arrival>("map: arrivals", whole)?;
+        let compact = compact.then(|| device.scratch::<Compact>("map: records", u64::from(count))).transpose()?;
+        let from = [&grid_buffer, &sorted.order, unsorted];
+        match &compact {
+            Some(records) => plan.each(Kernel::ReorderCompact, count, &[&from[..], &[records]].concat()),
+            None => {
+                plan.each(Kernel::ReorderPhotons, count, &[&from[..], &[&power, &sites, &arrivals]].concat());
+            }
+        }
+        Ok(Self { grid, grid_buffer, rows, compact, sites, arrivals, begins, power })
     }
 
     /// Builds a map of `photons`.
@@ -97,6 +129,23 @@ impl PhotonMap {
     /// # Errors
     /// All of [`MapError`] but those of queries.
     pub fn build(device: &Device, photons: &[Photon], options: &MapOptions) -> Result<Self, MapError> {
+        Self::build_with(device, photons, options, Self::plan)
+    }
+
+    /// Builds a compact map of `photons`: see [`PhotonMap::plan_compact`].
+    ///
+    /// # Errors
+    /// All of [`MapError`] but those of queries.
+    pub fn build_compact(device: &Device, photons: &[Photon], options: &MapOptions) -> Result<Self, MapError> {
+        Self::build_with(device, photons, options, Self::plan_compact)
+    }
+
+    fn build_with(
+        device: &Device,
+        photons: &[Photon],
+        options: &MapOptions,
+        plan_map: impl FnOnce(&Device, &mut Plan, &Buffer, Grid) -> Result<Self, MapError>,
+    ) -> Result<Self, MapError> {
         let (low, high) = bounds("photons", photons.iter().map(|photon| photon.position))?;
         let bad = |photon: &&Photon| !photon.power.iter().all(|power| power.is_finite() && *power >= 0.0);
         if let Some(first) = photons.iter().position(|photon| bad(&photon)) {
@@ -106,7 +155,7 @@ impl PhotonMap {
         let grid = plan_grid(low, high, photons.len() as u64, &sample, options)?;
         let unsorted = device.upload("photons", photons)?;
         let mut plan = Plan::new();
-        let map = Self::plan(device, &mut plan, &unsorted, grid)?;
+        let map = plan_map(device, &mut plan, &unsorted, grid)?;
         device.run(&plan)?;
         Ok(map)
     }
@@ -127,10 +176,18 @@ impl PhotonMap {
         &self.grid
     }
 
-    /// The map's buffers: sites and arrivals in sorted order, and where each table entry begins.
+    /// The map's buffers: sites and arrivals in sorted order, of which a compact map has none, and where each table entry begins.
     #[must_use]
     pub fn buffers(&self) -> [&Buffer; 3] {
         [&self.sites, &self.arrivals, &self.begins]
+    }
+
+    /// The sites of the photons, in sorted order.
+    pub(crate) fn sites(&self, device: &Device) -> Result<Vec<Site>, MapError> {
+        let count = u64::from(self.grid.photons);
+        let Some(records) = &self.compact else { return Ok(device.read(&self.sites, count)?) };
+        let records: Vec<Compact> = device.read(records, count)?;
+        Ok(records.iter().map(|record| Site::new(record.position(&self.grid), record.photon())).collect())
     }
 
     /// What a search by other means needs: the grid, its rows of cells, the sites and where each table entry begins.
@@ -142,7 +199,7 @@ impl PhotonMap {
     /// Bytes that the map takes on its device.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.buffers().iter().map(|buffer| buffer.bytes()).sum()
+        self.buffers().into_iter().chain(&self.compact).map(|buffer| buffer.bytes()).sum()
     }
 
     /// Appends the irradiance estimate of `count` queries from `k` photons each (eq. 2.1) to a plan. `out` gets a record of
@@ -160,6 +217,10 @@ impl PhotonMap {
         gather: Gather,
         out: &Buffer,
     ) -> Result<(), MapError> {
+        if let Some(records) = &self.compact {
+            let estimate = Estimate { k: Some(k), ..Estimate::default() };
+            return self.append_compact(device, plan, records, queries, count, &estimate, out);
+        }
         let kernel = irradiance_kernel(gather, k, device.is_gpu(), self.grid.hash == HASH_LINEAR)?;
         let search = self.plan_search(device, plan, queries, count, k, k + 1)?;
         plan.each(kernel, count, &self.estimate_buffers(&search, queries, out));
@@ -179,6 +240,9 @@ impl PhotonMap {
         count: u32,
         out: &Buffer,
     ) -> Result<(), MapError> {
+        if let Some(records) = &self.compact {
+            return self.append_compact(device, plan, records, queries, count, &Estimate::default(), out);
+        }
         let search = self.plan_search(device, plan, queries, count, 0, 1)?;
         let linear = self.grid.hash == HASH_LINEAR;
         let kernel = if linear { Kernel::IrradianceDensity } else { Kernel::IrradianceDensityHashed };
@@ -189,7 +253,7 @@ impl PhotonMap {
     /// Appends the search for the `k` nearest photons of `count` queries to a plan.
     ///
     /// # Errors
-    /// [`MapError::K`], [`MapError::TooMany`] and [`MapError::Device`].
+    /// [`MapError::K`], [`MapError::TooMany`], [`MapError::Compact`] and [`MapError::Device`].
     pub fn plan_neighbours(
         &self,
         device: &Device,
@@ -199,6 +263,9 @@ impl PhotonMap {
         k: u32,
         gather: Gather,
     ) -> Result<Neighbours, MapError> {
+        if self.compact.is_some() {
+            return Err(MapError::Compact { what: "neighbours" });
+        }
         let kernel = neighbours_kernel(gather, k, device.is_gpu(), self.grid.hash == HASH_LINEAR)?;
         let Neighbours { neighbours, counts } = Neighbours::new(device, count, k)?;
         let Search { params, order } = self.plan_search(device, plan, queries, count, k, k)?;
@@ -264,6 +331,27 @@ impl PhotonMap {
         estimates(device, queries, |plan, query_buffer, count, out| {
             self.plan_density(device, plan, query_buffer, count, out)
         })
+    }
+
+    /// How far the `k` nearest photons of each query reach, or are taken to reach.
+    ///
+    /// # Errors
+    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
+    pub fn reaches(
+        &self,
+        device: &Device,
+        queries: &[Query],
+        k: u32,
+        nearest: Nearest,
+    ) -> Result<Vec<Reach>, MapError> {
+        let count = query_count(queries)?;
+        let query_buffer = device.upload("queries", queries)?;
+        let mut plan = Plan::new();
+        let reaches = self.plan_reaches(device, &mut plan, &query_buffer, count, k, nearest)?;
+        device.run(&plan)?;
+        let reaches: Vec<Reach> = device.read(&reaches, u64::from(count))?;
+        whole(device, reaches.iter().map(|reach| reach.photons))?;
+        Ok(reaches)
     }
 
     /// The `k` nearest photons of each query within the map's radius, nearest first, ties by index.

@@ -169,6 +169,10 @@ pub(crate) fn identity(scene: &Scene, settings: &Settings, exact: bool) -> Vec<(
             ("surface", format!("{:?}", settings.surface).to_lowercase()),
             ("alpha", settings.alpha.to_string()),
             ("final-gather", settings.final_gather.to_string()),
+            ("compact", settings.compact.to_string()),
+            ("thin", settings.thin.to_string()),
+            ("nearest", format!("{:?}", settings.nearest).to_lowercase()),
+            ("interpolate", settings.interpolate.to_string()),
         ]);
     }
     identity.into_iter().map(|(name, value)| (name.to_string(), value)).collect()

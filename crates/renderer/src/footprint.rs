@@ -1,19 +1,20 @@
 //! How much memory a render takes, from what it is going to allocate.
 
 use crate::frame::{CPU_SAMPLES, GPU_SAMPLES};
+use crate::lattice;
 use crate::output::LayerKind;
 use crate::photons::CHUNK;
 use crate::scene::CompiledScene;
 use crate::{Integrator, Settings};
 use caustic_device::Device;
-use caustic_kernels::gather::Reach;
+use caustic_kernels::gather::{Compact, Reach};
 use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
 use caustic_kernels::sort::{DIGITS, SORT_BLOCK};
 use caustic_kernels::trace::{
     BvhNode, Corners, LEDGER_PATHS, LayerPixel, LedgerBlock, LedgerSum, PART_DIRECT, Pixel, Primitive, Tally, Texel,
     Vertex,
 };
-use caustic_photon_map::Filter;
+use caustic_photon_map::{Filter, Nearest};
 
 /// A map that a render is going to have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -28,19 +29,19 @@ pub struct ExpectedMap {
 
 impl ExpectedMap {
     /// Bytes of the finished map.
-    fn bytes(&self) -> f64 {
-        self.stored * size::<(Site, Arrival)>() + 4.0 * self.table
+    fn bytes(&self, compact: bool) -> f64 {
+        self.stored * if compact { size::<Compact>() } else { size::<(Site, Arrival)>() } + 4.0 * self.table
     }
 
     /// Most bytes while its photons are traced, stored and sorted.
-    fn peak(&self) -> f64 {
+    fn peak(&self, compact: bool) -> f64 {
         let chunk = self.emitted.min(f64::from(CHUNK));
         // Counts; fates and segments with their sums; tallies and the ledger.
         let ledger = chunk / f64::from(LEDGER_PATHS) * size::<(LedgerBlock, LedgerSum)>();
         let trace = 4.0 * self.emitted + chunk * (16.0 + size::<Tally>()) + ledger;
         let store = 8.0 * self.emitted + self.stored * size::<Photon>();
         let histograms = 8.0 * f64::from(DIGITS) * self.stored / f64::from(SORT_BLOCK);
-        let build = self.stored * (size::<Photon>() + 16.0) + histograms + self.bytes();
+        let build = self.stored * (size::<Photon>() + 16.0) + histograms + self.bytes(compact);
         trace.max(store).max(build)
     }
 }
@@ -57,23 +58,35 @@ pub fn peak_bytes(scene: &CompiledScene, settings: &Settings, maps: [ExpectedMap
     let paths = settings.integrator == Integrator::Path;
     let gathered = f64::from(if maps[0].stored > 0.0 { settings.final_gather } else { 0 });
     let rays = f64::from(settings.spp) * gathered.max(1.0);
-    let tile = (most / rays).floor().clamp(1.0, pixels) * f64::from(settings.spp);
+    let tile_pixels = (most / rays).floor().clamp(1.0, pixels);
+    let tile = tile_pixels * f64::from(settings.spp);
+    let mut keys = 0.0;
     let mut each = size::<Vertex>() + if paths { 0.0 } else { size::<Query>() };
     each += if settings.parts() & PART_DIRECT != 0 { size::<Irradiance>() } else { 0.0 };
-    for (_, gathered) in maps.iter().zip([gathered, 0.0]).filter(|(map, _)| map.stored > 0.0) {
+    let spacings = [settings.interpolate, 0];
+    let of_maps = maps.iter().zip([gathered, 0.0].into_iter().zip(spacings));
+    for (_, (gathered, spacing)) in of_maps.filter(|(map, _)| map.stored > 0.0) {
         // Queries are sorted, and those of a final gather are made first.
-        let filtered = settings.filter != Filter::Constant || settings.estimate().needs_sides();
+        let reached = settings.nearest == Nearest::Approximate && settings.estimate().k.is_some();
+        let filtered =
+            reached || settings.compact || settings.filter != Filter::Constant || settings.estimate().needs_sides();
         let search = 16.0 + if filtered { size::<Reach>() } else { 0.0 };
         each += size::<Irradiance>();
         each += if settings.layers.contains(&LayerKind::Radius) { 16.0 + size::<Reach>() } else { 0.0 };
-        each += if gathered > 0.0 {
+        let point = if gathered > 0.0 {
             gathered * (search + size::<(Query, Vertex)>() + size::<Irradiance>())
         } else {
             search
         };
+        each += point;
+        if spacing > 0 {
+            let keys_of_tile = f64::from(lattice::keys(tile_pixels as u32, settings.size[0], spacing));
+            keys = keys_of_tile * (point + size::<(Query, Vertex, Irradiance)>());
+            each += size::<(Query, Irradiance)>();
+        }
     }
-    let image = maps[0].bytes() + maps[1].bytes() + film + tile * each;
-    let photons = maps[0].peak().max(maps[0].bytes() + maps[1].peak());
+    let image = maps[0].bytes(settings.compact) + maps[1].bytes(settings.compact) + film + tile * each + keys;
+    let photons = maps[0].peak(settings.compact).max(maps[0].bytes(settings.compact) + maps[1].peak(settings.compact));
     let records = scene.nodes.len() as f64 * size::<BvhNode>()
         + scene.primitives.len() as f64 * size::<Primitive>()
         + scene.corners.len() as f64 * size::<Corners>()

@@ -1,6 +1,7 @@
 //! One pass of a picture: photon maps first, then the film or some pixels of it, tile by tile.
 
 use crate::buffers::SceneBuffers;
+use crate::lattice::{self, Lattice, Points};
 use crate::ledger;
 use crate::output::LayerKind;
 use crate::pace::Pace;
@@ -42,6 +43,7 @@ pub(crate) struct Frame<'a> {
 /// The photon maps of a pass.
 pub(crate) struct Maps {
     seed: u32,
+    radius: f32,
     global: Option<PhotonMap>,
     caustic: Option<PhotonMap>,
     pub(crate) said: Said,
@@ -101,7 +103,7 @@ impl<'a> Frame<'a> {
                 said.notes.push(format!("no {}: {}", one.feature.title(), one.why));
             }
         }
-        Ok(Maps { seed, global, caustic, said })
+        Ok(Maps { seed, radius, global, caustic, said })
     }
 
     /// Refuses a scene whose lights reach nothing, as its global map would if it had one: by a few photons, and by all where these are lost.
@@ -189,8 +191,9 @@ impl<'a> Frame<'a> {
         progress: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Pixels, RenderError> {
         let Self { device, settings, .. } = *self;
-        let &Maps { seed, ref global, ref caustic, .. } = maps;
-        let [global, caustic] = [global.as_ref(), caustic.as_ref()];
+        let seed = maps.seed;
+        let of_light = [maps.global.as_ref(), maps.caustic.as_ref()];
+        let [global, caustic] = of_light;
         let (first, end) = (unit.first_pixel, unit.end());
         let spp = settings.spp;
         let mut parts = settings.parts();
@@ -203,11 +206,13 @@ impl<'a> Frame<'a> {
             gather: device.scratch::<GatherTile>("camera tile of gather", 1)?,
             film: device.scratch::<FilmTile>("camera tile of film", 1)?,
         };
+        let lattice = (settings.interpolate > 0 && parts & PART_GLOBAL != 0)
+            .then(|| Lattice::new(device, self.scene, settings, maps.radius))
+            .transpose()?;
         // Pixels are written where they are in the picture.
         let film = device.buffer::<Pixel>("film", u64::from(end))?;
         let layer_pixels = if settings.needs_layers() { u64::from(end) } else { 0 };
         let layers = device.buffer::<LayerPixel>("layers", layer_pixels)?;
-        let maps = [global, caustic];
         let mut pace = Pace::new(device, GPU_FIRST_SAMPLES, GPU_SAMPLES, CPU_SAMPLES);
         // A sample is as much work as the rays that it sends out.
         let each = spp.saturating_mul(if parts & PART_GLOBAL != 0 { settings.final_gather.max(1) } else { 1 });
@@ -223,11 +228,18 @@ impl<'a> Frame<'a> {
             if plan.0 != tile_pixels {
                 // The last one's buffers go first.
                 plan.1 = Plan::new();
-                plan = (tile_pixels, self.tile_plan(tile_pixels, parts, maps, &tiles, [&film, &layers])?);
+                plan = (
+                    tile_pixels,
+                    self.tile_plan(tile_pixels, parts, of_light, &tiles, lattice.as_ref(), [&film, &layers])?,
+                );
             }
             let pixels = tile_pixels.min(end - first_pixel);
             let rays = settings.final_gather;
-            device.write(&tiles.camera, &[CameraTile { first_pixel, pixels, samples: spp, seed }]);
+            let tile = CameraTile { first_pixel, pixels, samples: spp, seed };
+            device.write(&tiles.camera, &[tile]);
+            if let Some(lattice) = &lattice {
+                lattice.write(device, &tile, tile_pixels, rays);
+            }
             device.write(&tiles.gather, &[GatherTile { first_pixel, pixels, samples: spp, rays, seed }]);
             device.write(&tiles.film, &[FilmTile { first_pixel, pixels, samples: spp, parts }]);
             pace.run(|| device.run(&plan.1))?;
@@ -247,6 +259,7 @@ impl<'a> Frame<'a> {
         parts: u32,
         maps: [Option<&PhotonMap>; 2],
         tiles: &Tiles,
+        lattice: Option<&Lattice>,
         [film, layers]: [&Buffer; 2],
     ) -> Result<Plan, RenderError> {
         let Self { device, settings, ref camera, .. } = *self;
@@ -277,11 +290,22 @@ impl<'a> Frame<'a> {
             let estimate = device.scratch::<Irradiance>(name, records(map.is_some()))?;
             if let Some(map) = map {
                 plan.scope(name.trim_start_matches("sample "));
-                if name == "sample global" && settings.final_gather > 0 {
-                    self.plan_final_gather(&mut plan, map, samples, &tiles.gather, &queries, &vertices, &estimate)?;
-                } else {
-                    let how = settings.estimate();
-                    self.plan_estimate(&mut plan, map, &how, [&queries, &vertices], samples, &estimate)?;
+                let points = Points { queries: &queries, vertices: &vertices, count: samples, gather: &tiles.gather };
+                let global = name == "sample global";
+                let light = |plan: &mut Plan, points: Points<'_>, out: &Buffer| {
+                    if global && settings.final_gather > 0 {
+                        return self.plan_final_gather(plan, map, points, out);
+                    }
+                    let Points { queries, vertices, count, .. } = points;
+                    self.plan_estimate(plan, map, &settings.estimate(), [queries, vertices], count, out)
+                };
+                match lattice.filter(|_| global) {
+                    Some(lattice) => {
+                        let scene = &self.buffers.for_camera();
+                        let tile = lattice::Tile { pixels, camera, scene, points };
+                        lattice.plan(device, &mut plan, &tile, kernels.camera, light, &estimate)?;
+                    }
+                    None => light(&mut plan, points, &estimate)?,
                 }
             }
             // A search of half the area ends where that of the whole has been: it cannot be cut short alone.
@@ -294,7 +318,7 @@ impl<'a> Frame<'a> {
             halves.push(of_half);
             estimates.push(estimate);
             reaches.push(match map.filter(|_| parts & PART_REACH != 0) {
-                Some(map) => map.plan_reaches(device, &mut plan, &queries, samples, settings.k)?,
+                Some(map) => map.plan_reaches(device, &mut plan, &queries, samples, settings.k, settings.nearest)?,
                 None => device.scratch::<Reach>("reaches", 0)?,
             });
         }
@@ -327,10 +351,7 @@ impl<'a> Frame<'a> {
         &self,
         plan: &mut Plan,
         map: &PhotonMap,
-        samples: u32,
-        tile: &Buffer,
-        queries: &Buffer,
-        vertices: &Buffer,
+        Points { queries, vertices, count: samples, gather: tile }: Points<'_>,
         out: &Buffer,
     ) -> Result<(), RenderError> {
         let count = samples * self.settings.final_gather;

@@ -13,6 +13,7 @@ mod feature;
 mod footprint;
 mod frame;
 mod gather;
+mod lattice;
 mod ledger;
 mod message;
 mod pace;
@@ -45,7 +46,10 @@ pub use passes::{View, trace_photons};
 pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError};
 pub use render::{Given, Rendered, render, render_across, render_on};
 pub use report::{MapReport, Progress, RenderReport};
-pub use settings::{DEFAULT_PASSES, Integrator, Keep, MAX_FINAL_GATHER, MAX_PASSES, MAX_PIXELS, Settings, Show, Stop};
+pub use settings::{
+    DEFAULT_PASSES, Integrator, Keep, MAX_FINAL_GATHER, MAX_INTERPOLATE, MAX_PASSES, MAX_PIXELS, MAX_THIN, Settings,
+    Show, Stop,
+};
 pub use state_file::About;
 pub use verify::{ImageComparison, Verification, verify};
 pub use work::{Part, WorkUnit};

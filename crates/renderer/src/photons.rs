@@ -37,6 +37,8 @@ pub(crate) struct PassKind {
     pub(crate) rays: u32,
     /// [`PhotonPass::stored_from`].
     pub(crate) stored_from: u32,
+    /// [`PhotonPass::thin`].
+    pub(crate) thin: u32,
     /// Whether an empty map is an error: it was asked for by name.
     pub(crate) wanted: bool,
 }
@@ -44,12 +46,13 @@ pub(crate) struct PassKind {
 impl PassKind {
     /// The passes that a picture needs: of the global map and of the caustic one, if it is wanted and there can be one.
     pub(crate) fn of(settings: &Settings, scene: &CompiledScene) -> [Option<Self>; 2] {
-        let Settings { photons, caustic_photons, show, final_gather, .. } = *settings;
+        let Settings { photons, caustic_photons, show, final_gather, thin, .. } = *settings;
         let modelled = |feature| decide(scene, settings).iter().any(|one| one.feature == feature && one.modelled);
         [
             modelled(Feature::GlobalMap).then(|| Self::global(photons, show, final_gather > 0)),
             modelled(Feature::CausticMap).then(|| Self::caustic(caustic_photons, show)),
         ]
+        .map(|kind| kind.map(|kind| Self { thin, ..kind }))
     }
 
     /// Direct light comes from shadow rays, so the global map of a picture holds only what was reflected before; shown by
@@ -62,6 +65,7 @@ impl PassKind {
             emitted,
             rays: RAY_GLOBAL,
             stored_from: u32::from(show != Show::MapGlobal && !gathered),
+            thin: 1,
             wanted: show != Show::Beauty,
         }
     }
@@ -75,6 +79,7 @@ impl PassKind {
             emitted,
             rays: RAY_CAUSTIC,
             stored_from: 0,
+            thin: 1,
             wanted: show != Show::Beauty,
         }
     }
@@ -107,7 +112,8 @@ pub(crate) fn photon_map(
     let grid = plan_grid(low, high, stored, &positions, &options)?;
     let mut plan = Plan::new();
     plan.scope(kind.map);
-    let map = PhotonMap::plan(device, &mut plan, &unsorted, grid)?;
+    let plan_map = if settings.compact { PhotonMap::plan_compact } else { PhotonMap::plan };
+    let map = plan_map(device, &mut plan, &unsorted, grid)?;
     if settings.estimate().needs_sides() {
         map.plan_sides(&mut plan, &buffers.primitives);
     }
@@ -159,9 +165,9 @@ pub(crate) fn trace(
     let mut first = 0;
     while first < emitted {
         tick(first, 0)?;
-        let PassKind { rays, stored_from, .. } = *kind;
+        let PassKind { rays, stored_from, thin, .. } = *kind;
         let paths = pace.size().min(emitted - first);
-        let pass = PhotonPass { emitted, first, paths, rays, seed, stored_from };
+        let pass = PhotonPass { emitted, first, paths, rays, seed, stored_from, thin };
         chunks.push(pass);
         first += paths;
         let params = device.upload("photon pass", &[pass])?;

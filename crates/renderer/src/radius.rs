@@ -7,7 +7,7 @@ use crate::{Integrator, RenderError, Settings, View};
 use caustic_device::Plan;
 use caustic_kernels::gather::{CUT_SHORT, Reach};
 use caustic_kernels::layout::Query;
-use caustic_photon_map::{MapOptions, PhotonMap, RADII, plan_grid};
+use caustic_photon_map::{MapOptions, Nearest, PhotonMap, RADII, plan_grid};
 
 /// Most points of the picture that are looked at.
 const POINTS: u32 = 4096;
@@ -51,7 +51,7 @@ pub(crate) fn find_radius(
         let mut plan = Plan::new();
         plan.scope("radius");
         let map = PhotonMap::plan(device, &mut plan, &photons, grid)?;
-        let reaches = map.plan_reaches(device, &mut plan, &view.queries, view.count(), k)?;
+        let reaches = map.plan_reaches(device, &mut plan, &view.queries, view.count(), k, Nearest::Exact)?;
         device.run(&plan)?;
         let reaches: Vec<Reach> = device.read(&reaches, u64::from(view.count()))?;
         let searches = reaches.iter().filter(|reach| reach.photons == CUT_SHORT).count() as u64;

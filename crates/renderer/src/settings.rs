@@ -5,7 +5,7 @@ use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
 use crate::{Feature, RenderError};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS};
-use caustic_photon_map::{Estimate, Filter, Gather, Hash, MAX_TABLE, RADII, Surface};
+use caustic_photon_map::{Estimate, Filter, Gather, Hash, MAX_TABLE, Nearest, RADII, Surface};
 
 /// Which part of the light is rendered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,6 +26,19 @@ pub enum Show {
 }
 
 impl Show {
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Beauty => "beauty",
+            Self::Direct => "direct",
+            Self::Global => "global",
+            Self::Caustic => "caustic",
+            Self::MapGlobal => "map-global",
+            Self::MapCaustic => "map-caustic",
+        }
+    }
+
     /// The parts that the film adds up.
     pub(crate) fn parts(self) -> u32 {
         match self {
@@ -86,6 +99,11 @@ const MAX_GATHER_RAYS: u32 = 1 << 20;
 /// Most rays of a final gather.
 pub const MAX_FINAL_GATHER: u32 = 4096;
 
+/// Most photons of which one is stored.
+pub const MAX_THIN: u32 = 1 << 16;
+/// Most pixels between two points of an interpolation.
+pub const MAX_INTERPOLATE: u32 = 64;
+
 /// How to render a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -125,6 +143,15 @@ pub struct Settings {
     pub final_gather: u32,
     /// Which photons are kept.
     pub keep: Keep,
+    /// One photon in so many is stored, with the power of all of them.
+    pub thin: u32,
+    /// Whether photons are kept in 16 bytes each, which rounds their positions and powers.
+    pub compact: bool,
+    /// Whether an estimate is from the k nearest photons or from about as many.
+    pub nearest: Nearest,
+    /// Pixels between the points at which light of the global map is estimated; samples between them take the mean of those around that
+    /// lie on their surface. 0 estimates it at each sample.
+    pub interpolate: u32,
     /// When there are enough passes.
     pub stop: Stop,
     /// Layers to make beside the picture, each once.
@@ -162,6 +189,10 @@ impl Settings {
             alpha: 2.0 / 3.0,
             final_gather: 0,
             keep: Keep::All,
+            thin: 1,
+            compact: false,
+            nearest: Nearest::Exact,
+            interpolate: 0,
             stop: Stop::default(),
             layers: Vec::new(),
             forced: Vec::new(),
@@ -181,7 +212,7 @@ impl Settings {
     /// How irradiance is estimated from a map: progressive passes have one radius everywhere.
     pub(crate) fn estimate(&self) -> Estimate {
         let k = (self.integrator != Integrator::Progressive).then_some(self.k);
-        Estimate { filter: self.filter, surface: self.surface, k, gather: self.gather }
+        Estimate { filter: self.filter, surface: self.surface, k, gather: self.gather, nearest: self.nearest }
     }
 
     /// [`Stop::passes`], or how many there are if nothing ends the render; nothing if something else does.
@@ -226,9 +257,23 @@ impl Settings {
             let range = format!("at most {} at {} samples a pixel", MAX_GATHER_RAYS / self.spp, self.spp);
             return Err(RenderError::Setting { name: "final-gather", value: self.final_gather.to_string(), range });
         }
-        if self.keep == Keep::Visible && self.final_gather > 0 {
-            let range = "all with --final-gather, whose rays look at the global map everywhere".to_string();
-            return Err(RenderError::Setting { name: "keep", value: "visible".to_string(), range });
+        let farther = [
+            (self.final_gather > 0, "all with --final-gather, whose rays look at the global map everywhere"),
+            (self.interpolate > 0, "all with --interpolate, which looks at the global map between the samples"),
+            (
+                self.nearest == Nearest::Approximate,
+                "all with --nearest approximate, which counts whole cells of photons",
+            ),
+        ];
+        if let Some((_, range)) = farther.iter().find(|(looks, _)| *looks && self.keep == Keep::Visible) {
+            let (value, range) = ("visible".to_string(), range.to_string());
+            return Err(RenderError::Setting { name: "keep", value, range });
+        }
+        whole("thin", self.thin, 1, MAX_THIN)?;
+        whole("interpolate", self.interpolate, 0, MAX_INTERPOLATE)?;
+        if self.compact && self.surface != Surface::Any {
+            let (value, range) = (format!("{:?}", self.surface).to_lowercase(), "any with --compact".to_string());
+            return Err(RenderError::Setting { name: "surface", value, range });
         }
         whole("passes", self.stop.passes.unwrap_or(1), 1, MAX_PASSES)?;
         let number = |name, value: f64, fine: bool, range: &str| {
@@ -292,6 +337,8 @@ impl Settings {
             "the picture leaves out the light that it would tell of; use --show beauty and photon maps"
         } else if self.final_gather > 0 && matches!(layer, LayerKind::Radius | LayerKind::Photons | LayerKind::Bias) {
             "a final gather does not look at the global map where the camera looks; leave out --final-gather"
+        } else if self.interpolate > 0 && matches!(layer, LayerKind::Radius | LayerKind::Photons | LayerKind::Bias) {
+            "interpolated light has no photons of its own; leave out --interpolate"
         } else if layer == LayerKind::Bias && self.k < 3 && self.estimate().k.is_some() {
             "it compares estimates from all and from half of k photons; use --k 3 or more"
         } else {

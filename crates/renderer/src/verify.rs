@@ -8,7 +8,7 @@ use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, 
 use caustic_kernels::layout::{Photon, Query, Site};
 use caustic_kernels::num::{pcg4d, u32_to_unit};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams, LAYOUT_WORDS, LAYOUTS};
-use caustic_photon_map::{Filter, Gather, Hash, MapOptions, PhotonMap, RadixSort, Surface};
+use caustic_photon_map::{Filter, Gather, Hash, MapOptions, Nearest, PhotonMap, RadixSort, Surface};
 use caustic_rivals::{Photons, Technique};
 use serde::Serialize;
 
@@ -169,13 +169,16 @@ fn small(scene: &Scene, hash: Hash, seed: u32) -> Settings {
 }
 
 /// The same scene by stages that those settings leave out.
-fn other_ways(settings: &Settings) -> [Settings; 2] {
+fn other_ways(settings: &Settings) -> [Settings; 5] {
     let smaller = Settings { size: [20, 15], photons: 5000, caustic_photons: 2000, k: 30, ..settings.clone() };
     // Neither has all of the layers.
     let smaller = Settings { layers: Vec::new(), keep: Keep::All, ..smaller };
     let paths = Settings { integrator: Integrator::Path, ..smaller.clone() };
     let (filter, surface) = (Filter::Gaussian, Surface::Own);
-    [paths, Settings { filter, surface, final_gather: 2, ..smaller }]
+    let roughly = Settings { thin: 2, nearest: Nearest::Approximate, interpolate: 3, ..smaller.clone() };
+    let compact = Settings { compact: true, ..smaller.clone() };
+    let compact_roughly = Settings { compact: true, ..roughly.clone() };
+    [paths, roughly, compact, compact_roughly, Settings { filter, surface, final_gather: 2, ..smaller }]
 }
 
 fn arithmetic(twin: &Device, seed: u32) -> Result<(), RenderError> {

@@ -2,15 +2,13 @@
 //!
 //! Times are kept by scene and device, so that runs on several machines make one page.
 
-use crate::shaders::workspace_root;
-use anyhow::{Context, Result, bail, ensure};
+use crate::program::{Scenes, program, report};
+use anyhow::{Context, Result, bail};
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 /// Most bytes of a picture: pictures are committed.
 const MAX_BYTES: u64 = 100 << 10;
@@ -43,11 +41,7 @@ struct Entry {
 
 /// Renders and writes `docs/gallery/` and `docs/GALLERY.md`.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let root = &*workspace_root()?;
-    let status =
-        Command::new("cargo").args(["build", "--release", "--workspace", "--bins"]).current_dir(root).status()?;
-    ensure!(status.success(), "the program could not be built");
-    let program = root.join("target/release/caustic");
+    let (root, program) = program()?;
     let folder = root.join("docs/gallery");
     fs::create_dir_all(&folder)?;
     let record = folder.join("gallery.json");
@@ -55,22 +49,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Ok(bytes) => serde_json::from_slice(&bytes).with_context(|| format!("{} is damaged", record.display()))?,
         Err(_) => BTreeMap::new(),
     };
-    let listed: Vec<Value> = serde_json::from_slice(&output(&program, &["scene", "list", "--json"], root)?)?;
-    let name = |scene: &Value| scene["name"].as_str().unwrap_or_default().to_string();
-    let names: Vec<String> = listed.iter().map(name).collect();
-    if let Some(unknown) = arguments.scenes.iter().find(|scene| !names.contains(scene)) {
-        bail!("there is no scene `{unknown}`; there are {}", names.join(", "));
-    }
+    let Scenes { listed, names, wanted } = Scenes::list(&program, &root, &arguments.scenes)?;
     // Scenes that are no longer there leave the page.
     entries.retain(|scene, _| names.contains(scene));
     for scene in &listed {
-        let name = name(scene);
-        if !arguments.scenes.is_empty() && !arguments.scenes.contains(&name) {
+        let name = scene["name"].as_str().unwrap_or_default().to_string();
+        if !wanted.contains(&name) {
             continue;
         }
         let entry = entries.entry(name.clone()).or_default();
         entry.description = scene["description"].as_str().unwrap_or_default().to_string();
-        render(&program, root, &name, arguments, entry)?;
+        render(&program, &root, &name, arguments, entry)?;
         fs::write(&record, format!("{}\n", serde_json::to_string_pretty(&entries)?))?;
     }
     fs::write(root.join("docs/GALLERY.md"), page(&names, &entries))?;
@@ -88,7 +77,7 @@ fn render(program: &Path, root: &Path, name: &str, arguments: &Arguments, entry:
         let target = target.display().to_string();
         let words = ["render", name, "--size", &size, "--spp", "64", "--tone-map", "agx"];
         let rest = ["-o", &target, "--device", &arguments.device, "--json", "--quiet"];
-        let report: Value = serde_json::from_slice(&output(program, &[&words[..], &rest].concat(), root)?)?;
+        let report = report(program, &[&words[..], &rest].concat(), root)?;
         let (Some(seconds), Some(device)) = (report["seconds"].as_f64(), report["device"].as_str()) else {
             bail!("the report of {name} lacks its time or its device");
         };
@@ -108,13 +97,6 @@ fn render(program: &Path, root: &Path, name: &str, arguments: &Arguments, entry:
         "the picture of {name} has more than {MAX_BYTES} bytes even at a width of {} pixels",
         WIDTHS[WIDTHS.len() - 1]
     )
-}
-
-/// What a command prints.
-fn output(program: &Path, arguments: &[&str], root: &Path) -> Result<Vec<u8>> {
-    let run = Command::new(program).args(arguments).current_dir(root).output()?;
-    ensure!(run.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&run.stderr).trim());
-    Ok(run.stdout)
 }
 
 /// The page, in the order of `names`.

@@ -1,6 +1,6 @@
 //! Developer tasks, run as `cargo xtask TASK`.
 //!
-//! `gallery` renders the pictures of docs/GALLERY.md. `shaders` is there because everything else in the workspace builds with stable Rust alone: the
+//! `gallery` renders the pictures of docs/GALLERY.md, `predictions` what the planner foresees. `shaders` is there because everything else in the workspace builds with stable Rust alone: the
 //! SPIR-V that rust-gpu's compiler makes of `shaders-crate/` is committed, together with a manifest that says what it
 //! was made from. `cargo xtask shaders` makes it anew; `cargo xtask shaders --check` proves that it is current.
 
@@ -13,6 +13,8 @@ mod gallery;
 mod large_arrays;
 mod memory_model;
 mod postprocess;
+mod predictions;
+mod program;
 mod reflect;
 mod shaders;
 mod sources;
@@ -41,12 +43,15 @@ enum Task {
     Shaders(shaders::Options),
     /// Render every built-in scene into docs/gallery/ and docs/GALLERY.md, with the command and the time of each.
     Gallery(gallery::Arguments),
+    /// Render every built-in scene as the planner chooses, and write down what it foresaw and what came, in docs/predictions/.
+    Predictions(predictions::Arguments),
 }
 
 fn main() -> ExitCode {
     let done = match Cli::try_parse() {
         Ok(Cli { task: Task::Shaders(options) }) => shaders::run(&options),
         Ok(Cli { task: Task::Gallery(arguments) }) => gallery::run(&arguments),
+        Ok(Cli { task: Task::Predictions(arguments) }) => predictions::run(&arguments),
         Err(error) => return usage(&error),
     };
     match done {

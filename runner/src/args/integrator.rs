@@ -1,8 +1,8 @@
 //! Arguments that say how a picture comes about, and when it is finished.
 
 use super::numbers::whole;
-use caustic_photon_map::{Filter, RADII, Surface};
-use caustic_renderer::{Integrator, Keep, MAX_FINAL_GATHER, MAX_PASSES, Part, Stop};
+use caustic_photon_map::{Filter, Nearest, RADII, Surface};
+use caustic_renderer::{Integrator, Keep, MAX_FINAL_GATHER, MAX_INTERPOLATE, MAX_PASSES, MAX_THIN, Part, Stop};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -26,6 +26,19 @@ pub struct IntegratorArguments {
     /// Which photons a map keeps: the image does not depend on it.
     #[arg(long, value_enum, default_value_t)]
     pub keep: KeepArgument,
+    /// Stores one photon in N, with the power of all: a map of a part of the size, searched faster, and noisier.
+    #[arg(long, value_name = "N", default_value = "1", value_parser = whole(1, MAX_THIN), allow_negative_numbers = true)]
+    pub thin: u32,
+    /// Keeps photons in 16 bytes instead of 64: positions and powers are rounded, and photons know no surface.
+    #[arg(long)]
+    pub compact: bool,
+    /// Whether an estimate is from the k nearest photons, or from about as many, which are found sooner.
+    #[arg(long, value_enum, default_value_t)]
+    pub nearest: NearestArgument,
+    /// Estimates light of the global map every N pixels, and between them where surfaces end: much faster, and soft shadows lose detail. 0 does
+    /// it at each sample.
+    #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0, MAX_INTERPOLATE), allow_negative_numbers = true)]
+    pub interpolate: u32,
     /// Ends after so many passes. Without a stop, a progressive render has 64 and every other 1.
     #[arg(long, value_name = "N", value_parser = whole(1, MAX_PASSES), allow_negative_numbers = true)]
     pub passes: Option<u32>,
@@ -165,6 +178,24 @@ impl From<KeepArgument> for Keep {
         match keep {
             KeepArgument::All => Self::All,
             KeepArgument::Visible => Self::Visible,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Default, ValueEnum)]
+pub enum NearestArgument {
+    /// The k nearest.
+    #[default]
+    Exact,
+    /// All within a radius that probably holds k, as the number of photons in the cells around says.
+    Approximate,
+}
+
+impl From<NearestArgument> for Nearest {
+    fn from(nearest: NearestArgument) -> Self {
+        match nearest {
+            NearestArgument::Exact => Self::Exact,
+            NearestArgument::Approximate => Self::Approximate,
         }
     }
 }

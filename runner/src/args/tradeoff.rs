@@ -1,5 +1,6 @@
 //! `caustic tradeoff`.
 
+use super::ShowArgument;
 use caustic_device::DeviceChoice;
 use clap::Args;
 use std::path::PathBuf;
@@ -11,6 +12,9 @@ use std::path::PathBuf;
 pub struct TradeoffArguments {
     /// A built-in scene, a scene file or a model.
     pub scene: String,
+    /// Part of the light that is swept.
+    #[arg(long, value_enum, default_value_t)]
+    pub show: ShowArgument,
     /// Folder of the results, the reference and the report; results that are there are not measured again.
     #[arg(short, long, value_name = "DIR", default_value = "tradeoff")]
     pub output: PathBuf,

@@ -13,7 +13,7 @@ use super::estimate::over_disc;
 use super::kth::find;
 use super::power::Power;
 use super::seen::Seen;
-use super::{CUT_SHORT, Candidates, GatherParams, distance2, search};
+use super::{CUT_SHORT, Candidates, GatherParams, Placed, distance2, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
 use crate::layout::{Arrival, Irradiance, Query, Site};
@@ -34,7 +34,7 @@ impl Place {
 
 /// Whether a candidate comes before a place. Its index is read for a tie only.
 #[inline]
-pub(super) fn is_before(bits: u32, slot: u32, place: Place, sites: &Input<Site>) -> bool {
+pub(super) fn is_before<S: Placed>(bits: u32, slot: u32, place: Place, sites: &Input<S>) -> bool {
     bits < place.bits || (bits == place.bits && sites[slot as usize].photon() < place.index)
 }
 
@@ -77,13 +77,14 @@ impl<const N: usize, O: ?Sized> Candidates<[u32; N], Input<Arrival>, O> for Coll
 /// The first in order of the `len` candidates that are listed in a lane's column from `word` on; it is taken out by putting the
 /// last in its place.
 #[inline]
-pub(super) fn take_first<const N: usize>(
+pub(super) fn take_first<const N: usize, S: Placed>(
     memory: &mut [u32; N],
     lane: u32,
     word: u32,
     len: u32,
     position: [f32; 3],
-    sites: &Input<Site>,
+    grid: &Grid,
+    sites: &Input<S>,
 ) -> (Place, u32) {
     let mut first = Place::ALL;
     let mut slot = 0;
@@ -92,7 +93,7 @@ pub(super) fn take_first<const N: usize>(
     while n < word + len {
         let other = memory[at(n, lane)];
         let site = sites[other as usize];
-        let bits = distance2(position, site.position()).to_bits();
+        let bits = distance2(position, site.position(grid)).to_bits();
         if bits < first.bits || (bits == first.bits && site.photon() < first.index) {
             first = Place { bits, index: site.photon() };
             slot = other;
@@ -132,7 +133,7 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
     }
     let position = query.position;
     let mut seen = Seen::new();
-    let found = find::<LINEAR, _, _>(
+    let found = find::<LINEAR, _, _, _>(
         lane,
         memory,
         position,
@@ -155,17 +156,25 @@ pub fn gather_irradiance_by_counting<const LINEAR: bool, I: Store<Irradiance> + 
     };
     let mut whole = found.whole;
     if seen.is_whole() {
-        seen.offer(position, sites, arrivals, memory, &mut (), &mut collect);
+        seen.offer(position, grid, sites, arrivals, memory, &mut (), &mut collect);
     } else {
-        whole =
-            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut collect)
-                && whole;
+        whole = search::<LINEAR, _, _, _, _, _>(
+            position,
+            grid,
+            rows,
+            sites,
+            arrivals,
+            begins,
+            memory,
+            &mut (),
+            &mut collect,
+        ) && whole;
     }
     // Those of the list up to the last, which the disc reaches to.
     let mut last = collect.from;
     let mut n = 0;
     while n < found.rank && n < collect.len {
-        let (first, slot) = take_first(memory, lane, 0, collect.len - n, position, sites);
+        let (first, slot) = take_first(memory, lane, 0, collect.len - n, position, grid, sites);
         last = first;
         n += 1;
         if n < found.rank {

@@ -72,7 +72,7 @@ pub fn gather_density<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
         let mut all = All { radius2, power: Power::new(), above: [0; 3], photons: 0 };
         let memory = &mut ();
         let whole =
-            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut all);
+            search::<LINEAR, _, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut all);
         let channel = |n: usize| all.power.channel(n).value_with(all.above[n], f32::from_bits(power[n]));
         result.rgb = over_disc([channel(0), channel(1), channel(2)], radius2, grid.radius2);
         result.photons = if whole { all.photons } else { CUT_SHORT };

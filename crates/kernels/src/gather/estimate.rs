@@ -112,9 +112,9 @@ fn search_any<A: ?Sized, S: Candidates<(), A, ()>>(
     selection: &mut S,
 ) -> bool {
     if grid.hash == HASH_LINEAR {
-        search::<true, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), selection)
+        search::<true, _, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), selection)
     } else {
-        search::<false, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), selection)
+        search::<false, _, _, _, _, _>(position, grid, rows, sites, arrivals, begins, &mut (), &mut (), selection)
     }
 }
 

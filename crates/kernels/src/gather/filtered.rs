@@ -144,7 +144,7 @@ pub fn gather_filtered<const LINEAR: bool, I: Store<Irradiance> + ?Sized>(
             photons: 0,
         };
         let (memory, output) = (&mut (), &mut ());
-        let whole = search::<LINEAR, _, _, _, _>(
+        let whole = search::<LINEAR, _, _, _, _, _>(
             query.position,
             grid,
             rows,

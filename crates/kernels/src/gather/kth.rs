@@ -7,10 +7,9 @@
 
 use super::bins::{BINS, Bins, COLUMN_LANES, WORDS, bin_of, clear, count, count_of};
 use super::seen::Seen;
-use super::{Candidates, GatherParams, search};
+use super::{Candidates, GatherParams, Placed, search};
 use crate::exec::Input;
 use crate::grid::{Grid, MAX_REACH, Row, cell_of, linear};
-use crate::layout::Site;
 
 /// Counts candidates by the bits of their squared distance, in the lane's column.
 struct ByDistance {
@@ -34,7 +33,7 @@ impl ByDistance {
     }
 }
 
-impl<const N: usize, A: ?Sized> Candidates<[u32; N], A, Seen> for ByDistance {
+impl<const N: usize, A: ?Sized, S: Placed> Candidates<[u32; N], A, Seen, S> for ByDistance {
     const SHORT: bool = true;
 
     #[inline]
@@ -49,7 +48,7 @@ impl<const N: usize, A: ?Sized> Candidates<[u32; N], A, Seen> for ByDistance {
         seen: &mut Seen,
         distance2: f32,
         slot: u32,
-        _sites: &Input<Site>,
+        _sites: &Input<S>,
         _arrivals: &A,
     ) {
         seen.add(slot);
@@ -85,7 +84,7 @@ struct ByIndex {
     bits: u32,
 }
 
-impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByIndex {
+impl<const N: usize, A: ?Sized, O: ?Sized, S: Placed> Candidates<[u32; N], A, O, S> for ByIndex {
     const SHORT: bool = true;
 
     #[inline]
@@ -100,7 +99,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for ByInde
         _output: &mut O,
         distance2: f32,
         slot: u32,
-        sites: &Input<Site>,
+        sites: &Input<S>,
         _arrivals: &A,
     ) {
         if distance2.to_bits() == self.bits {
@@ -177,7 +176,7 @@ pub(super) struct Found {
 /// Finds where the `wanted`-th nearest photon lies, as closely as a list of [`WORDS`] candidates can finish. `seen` remembers all
 /// candidates up to there.
 #[inline]
-pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
+pub(super) fn find<const LINEAR: bool, const N: usize, S: Placed, A: ?Sized>(
     lane: u32,
     memory: &mut [u32; N],
     position: [f32; 3],
@@ -185,7 +184,7 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
     params: &GatherParams,
     grid: &Grid,
     rows: &Input<Row>,
-    sites: &Input<Site>,
+    sites: &Input<S>,
     arrivals: &A,
     begins: &Input<u32>,
     seen: &mut Seen,
@@ -202,7 +201,7 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
         seen.clear();
         let mut count = ByDistance::new(lane, bins, wanted);
         found.whole =
-            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, seen, &mut count)
+            search::<LINEAR, _, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, seen, &mut count)
                 && found.whole;
         found.counted = bins;
         if count.nearer >= wanted {
@@ -241,7 +240,7 @@ pub(super) fn find<const LINEAR: bool, const N: usize, A: ?Sized>(
         clear(memory, lane, from);
         let mut count = ByIndex { lane, from, bins: indices, bits: bins.first };
         found.whole =
-            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count)
+            search::<LINEAR, _, _, _, _, _>(position, grid, rows, sites, arrivals, begins, memory, &mut (), &mut count)
                 && found.whole;
         let (bin, before, _) = bin_of(memory, lane, from, found.rank);
         found.rank -= before;

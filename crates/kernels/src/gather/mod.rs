@@ -5,6 +5,7 @@
 //! summed exactly ([`Limbs`](crate::num::Limbs)), so that the order in which a container holds it does not show.
 
 mod bins;
+mod compact;
 mod counting;
 mod density;
 mod estimate;
@@ -12,6 +13,7 @@ mod filter;
 mod filtered;
 mod heap;
 mod kth;
+mod likely;
 mod list;
 mod neighbours;
 mod power;
@@ -22,6 +24,7 @@ mod surface;
 
 pub(crate) use bins::{BINS, bin_of, clear, count};
 pub use bins::{COLUMN_LANES, Columns};
+pub use compact::{Compact, gather_compact, reorder_compact, snap, snap_photons};
 pub use counting::gather_irradiance_by_counting;
 pub use density::gather_density;
 pub(crate) use estimate::over_disc;
@@ -29,6 +32,7 @@ pub use estimate::{gather_irradiance, gather_neighbours};
 pub use filter::{FILTER_CONE, FILTER_CONSTANT, FILTER_EPANECHNIKOV, FILTER_GAUSSIAN, filter_integral, filter_weight};
 pub use filtered::{EstimateParams, gather_filtered};
 pub use heap::Heap;
+pub use likely::likely_reach;
 pub use list::SortedList;
 pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
 pub(crate) use power::Power;
@@ -37,6 +41,7 @@ pub use search::{distance2, root_above, search, search_share};
 pub use surface::{SURFACE_ANY, SURFACE_FACING, SURFACE_OWN, face_arrivals};
 
 use crate::exec::Input;
+use crate::grid::Grid;
 use crate::layout::Site;
 use bytemuck::{Pod, Zeroable};
 
@@ -59,18 +64,38 @@ pub struct GatherParams {
 }
 
 /// What a search does with the candidates it meets. `M` is memory of the lane that does not fit registers, `A` what is known of
-/// photons beside their sites, `O` where results go.
-pub trait Candidates<M: ?Sized, A: ?Sized, O: ?Sized> {
+/// photons beside their sites, `O` where results go, `S` a photon's record.
+pub trait Candidates<M: ?Sized, A: ?Sized, O: ?Sized, S = Site> {
     /// Whether an offer is a few instructions, so that the search repeats it four times a turn of its innermost loop: that is
     /// faster, and llvmpipe, which ends loops after 65,535 turns, comes four times as far.
     const SHORT: bool = false;
     /// Squared distance beyond which a candidate does not matter, m².
     fn bound(&self) -> f32;
     /// Offers candidate `slot`, an index into the sorted `sites` and `arrivals`.
-    fn offer(&mut self, memory: &mut M, output: &mut O, distance2: f32, slot: u32, sites: &Input<Site>, arrivals: &A);
+    fn offer(&mut self, memory: &mut M, output: &mut O, distance2: f32, slot: u32, sites: &Input<S>, arrivals: &A);
     /// Lowers the bound, if that takes more work than one candidate is worth: called between rows.
     #[inline]
     fn settle(&mut self, _memory: &mut M) {}
+}
+
+/// A photon of a map as a search sees it.
+pub trait Placed: Copy {
+    /// Position, m.
+    fn position(self, grid: &Grid) -> [f32; 3];
+    /// Index of the photon as it was given.
+    fn photon(self) -> u32;
+}
+
+impl Placed for Site {
+    #[inline]
+    fn position(self, _grid: &Grid) -> [f32; 3] {
+        Site::position(self)
+    }
+
+    #[inline]
+    fn photon(self) -> u32 {
+        Site::photon(self)
+    }
 }
 
 /// Result in place of a number of photons where the device ended a search before its end: what was found is not the answer.
@@ -263,7 +288,7 @@ mod tests {
         let mut heap = Heap::<65>::new();
         heap.reset(64, grid.radius2);
         let (none, begins) = (&(), [0, 40]);
-        assert!(search::<false, _, _, _, _>(
+        assert!(search::<false, _, _, _, _, _>(
             [1.0, 2.0, 1.0],
             &grid,
             &rows,
@@ -339,7 +364,7 @@ mod tests {
                     by_counting,
                 );
                 let reaches = reaches.as_mut_slice();
-                gather_reach::<false, _>(
+                gather_reach::<false, _, _>(
                     i,
                     3,
                     &mut [7; 1024],

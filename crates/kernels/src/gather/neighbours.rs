@@ -100,7 +100,7 @@ pub fn gather_neighbours_by_counting<
     let position = query.position;
     let mut seen = Seen::new();
     let found =
-        find::<LINEAR, _, _>(lane, memory, position, params.k, params, grid, rows, sites, sites, begins, &mut seen);
+        find::<LINEAR, _, _, _>(lane, memory, position, params.k, params, grid, rows, sites, sites, begins, &mut seen);
     // From numbers in bins to the places of their first. Those after the last bin that is wanted do not matter: all they have to
     // do is fit.
     let mut sum = found.nearer;
@@ -131,15 +131,15 @@ pub fn gather_neighbours_by_counting<
     };
     let mut whole = found.whole;
     if seen.is_whole() {
-        seen.offer(position, sites, sites, memory, unordered, &mut by_bin);
+        seen.offer(position, grid, sites, sites, memory, unordered, &mut by_bin);
     } else {
         whole =
-            search::<LINEAR, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, unordered, &mut by_bin)
+            search::<LINEAR, _, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, unordered, &mut by_bin)
                 && whole;
     }
     let mut n = 0;
     while n < found.rank && n < by_bin.len {
-        let (first, _) = take_first(memory, lane, WORDS, by_bin.len - n, position, sites);
+        let (first, _) = take_first(memory, lane, WORDS, by_bin.len - n, position, grid, sites);
         let neighbour = Neighbour { distance2: f32::from_bits(first.bits), photon: first.index };
         unordered.set(q * params.k + found.before + n, neighbour);
         n += 1;

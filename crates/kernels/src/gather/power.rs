@@ -31,20 +31,24 @@ impl Power {
     #[inline]
     pub(super) fn add_weighted(&mut self, arrival: Arrival, weight: f32, scale: [f32; 3]) {
         let [high, middle, low] = arrival.limbs();
-        let red = Limbs::of(Limbs([high[0], middle[0], low[0]]).value(scale[0]) * weight, scale[0]).0;
-        let green = Limbs::of(Limbs([high[1], middle[1], low[1]]).value(scale[1]) * weight, scale[1]).0;
-        let blue = Limbs::of(Limbs([high[2], middle[2], low[2]]).value(scale[2]) * weight, scale[2]).0;
-        self.high = sums(self.high, [red[0], green[0], blue[0]]);
-        self.middle = sums(self.middle, [red[1], green[1], blue[1]]);
-        self.low = sums(self.low, [red[2], green[2], blue[2]]);
+        let red = Limbs([high[0], middle[0], low[0]]).value(scale[0]) * weight;
+        let green = Limbs([high[1], middle[1], low[1]]).value(scale[1]) * weight;
+        let blue = Limbs([high[2], middle[2], low[2]]).value(scale[2]) * weight;
+        self.add_power([red, green, blue], scale);
     }
 
     /// Adds the power of a photon that is not in limbs yet; `power` as in [`Power::value`].
     #[inline]
     pub(crate) fn add_photon(&mut self, photon: &Photon, power: &Input<u32>) {
-        let red = Limbs::of(photon.power[0], f32::from_bits(power[0])).0;
-        let green = Limbs::of(photon.power[1], f32::from_bits(power[1])).0;
-        let blue = Limbs::of(photon.power[2], f32::from_bits(power[2])).0;
+        self.add_power(photon.power, [f32::from_bits(power[0]), f32::from_bits(power[1]), f32::from_bits(power[2])]);
+    }
+
+    /// Adds a power that is not in limbs yet, W; `scale` as in [`Power::add_weighted`].
+    #[inline]
+    pub(super) fn add_power(&mut self, power: [f32; 3], scale: [f32; 3]) {
+        let red = Limbs::of(power[0], scale[0]).0;
+        let green = Limbs::of(power[1], scale[1]).0;
+        let blue = Limbs::of(power[2], scale[2]).0;
         self.high = sums(self.high, [red[0], green[0], blue[0]]);
         self.middle = sums(self.middle, [red[1], green[1], blue[1]]);
         self.low = sums(self.low, [red[2], green[2], blue[2]]);

@@ -4,10 +4,10 @@ use super::bins::{Columns, WORDS, at};
 use super::counting::{Place, is_before, take_first};
 use super::kth::find;
 use super::seen::Seen;
-use super::{CUT_SHORT, Candidates, GatherParams, search};
+use super::{CUT_SHORT, Candidates, GatherParams, Placed, search};
 use crate::exec::{Input, Store};
 use crate::grid::{Grid, Row};
-use crate::layout::{Query, Site};
+use crate::layout::Query;
 use bytemuck::{Pod, Zeroable};
 
 /// How far an estimate reaches: photons count that come before a place in the order of neighbours.
@@ -33,7 +33,7 @@ struct List {
     len: u32,
 }
 
-impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for List {
+impl<const N: usize, A: ?Sized, O: ?Sized, S: Placed> Candidates<[u32; N], A, O, S> for List {
     const SHORT: bool = true;
 
     #[inline]
@@ -48,7 +48,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for List {
         _output: &mut O,
         distance2: f32,
         slot: u32,
-        sites: &Input<Site>,
+        sites: &Input<S>,
         _arrivals: &A,
     ) {
         if !is_before(distance2.to_bits(), slot, self.from, sites) && self.len < WORDS {
@@ -61,7 +61,7 @@ impl<const N: usize, A: ?Sized, O: ?Sized> Candidates<[u32; N], A, O> for List {
 /// The reach of the `i`-th query: to the (k + 1)-th photon, by counting (see
 /// [`gather_irradiance_by_counting`](super::gather_irradiance_by_counting)), or to the largest radius.
 #[inline]
-pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
+pub fn gather_reach<const LINEAR: bool, S: Placed, R: Store<Reach> + ?Sized>(
     i: u32,
     lane: u32,
     memory: &mut Columns,
@@ -70,7 +70,7 @@ pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
     rows: &Input<Row>,
     queries: &Input<Query>,
     query_order: &Input<u32>,
-    sites: &Input<Site>,
+    sites: &Input<S>,
     begins: &Input<u32>,
     reaches: &mut R,
 ) {
@@ -83,7 +83,7 @@ pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
     if query.active != 0 {
         let position = query.position;
         let mut seen = Seen::new();
-        let found = find::<LINEAR, _, _>(
+        let found = find::<LINEAR, _, _, _>(
             lane,
             memory,
             position,
@@ -104,16 +104,16 @@ pub fn gather_reach<const LINEAR: bool, R: Store<Reach> + ?Sized>(
             let mut list = List { lane, from, end: found.bins.end, len: 0 };
             let output = &mut ();
             if seen.is_whole() {
-                seen.offer(position, sites, sites, memory, output, &mut list);
+                seen.offer(position, grid, sites, sites, memory, output, &mut list);
             } else {
-                whole =
-                    search::<LINEAR, _, _, _, _>(position, grid, rows, sites, sites, begins, memory, output, &mut list)
-                        && whole;
+                whole = search::<LINEAR, _, _, _, _, _>(
+                    position, grid, rows, sites, sites, begins, memory, output, &mut list,
+                ) && whole;
             }
             let mut last = from;
             let mut n = 0;
             while n < found.rank && n < list.len {
-                (last, _) = take_first(memory, lane, 0, list.len - n, position, sites);
+                (last, _) = take_first(memory, lane, 0, list.len - n, position, grid, sites);
                 n += 1;
             }
             reach.radius2 = f32::from_bits(last.bits);

@@ -1,9 +1,8 @@
 //! The walk through the cells around a query.
 
-use super::Candidates;
+use super::{Candidates, Placed};
 use crate::exec::Input;
 use crate::grid::{Grid, MAX_REACH, Row, axis_cell, cell_of, coordinates, gap, hash_cell, linear};
-use crate::layout::Site;
 
 /// Squared distances below 2⁻⁷⁴ m² count as none: then it does not show whether a device flushes products that are subnormal.
 ///
@@ -40,30 +39,32 @@ pub fn root_above(x: f32) -> f32 {
 /// 65,535 iterations.
 #[inline]
 #[must_use]
-pub fn search<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
+pub fn search<const LINEAR: bool, S: Placed, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O, S>>(
     position: [f32; 3],
     grid: &Grid,
     rows: &Input<Row>,
-    sites: &Input<Site>,
+    sites: &Input<S>,
     arrivals: &A,
     begins: &Input<u32>,
     memory: &mut M,
     output: &mut O,
     candidates: &mut C,
 ) -> bool {
-    search_share::<LINEAR, _, _, _, _>(0, 1, position, grid, rows, sites, arrivals, begins, memory, output, candidates)
+    search_share::<LINEAR, _, _, _, _, _>(
+        0, 1, position, grid, rows, sites, arrivals, begins, memory, output, candidates,
+    )
 }
 
 /// The share of a [`search`] that has each `step`-th row from row `first` on: as many shares as `step` are the whole.
 #[inline]
 #[must_use]
-pub fn search_share<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
+pub fn search_share<const LINEAR: bool, S: Placed, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O, S>>(
     first: u32,
     step: u32,
     position: [f32; 3],
     grid: &Grid,
     rows: &Input<Row>,
-    sites: &Input<Site>,
+    sites: &Input<S>,
     arrivals: &A,
     begins: &Input<u32>,
     memory: &mut M,
@@ -104,7 +105,7 @@ pub fn search_share<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Cand
                     x += entries;
                     macro_rules! consider {
                         ($slot:expr, $site:expr) => {
-                            consider::<LINEAR, _, _, _, _>(
+                            consider::<LINEAR, _, _, _, _, _>(
                                 $slot, $site, position, cell, grid, sites, arrivals, memory, output, candidates,
                             )
                         };
@@ -147,21 +148,21 @@ pub fn search_share<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Cand
 
 /// Offers the photon at `slot` of `cell`'s table entry, whose site is `site`.
 #[inline]
-fn consider<const LINEAR: bool, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
+fn consider<const LINEAR: bool, S: Placed, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O, S>>(
     slot: u32,
-    site: Site,
+    site: S,
     position: [f32; 3],
     cell: [u32; 3],
     grid: &Grid,
-    sites: &Input<Site>,
+    sites: &Input<S>,
     arrivals: &A,
     memory: &mut M,
     output: &mut O,
     candidates: &mut C,
 ) {
-    let d2 = distance2(position, site.position());
+    let d2 = distance2(position, site.position(grid));
     // Several cells may share a table entry: a photon counts only where it lies, hence never twice.
-    if d2 <= candidates.bound() && (LINEAR || same_cell(cell_of(grid, site.position()), cell)) {
+    if d2 <= candidates.bound() && (LINEAR || same_cell(cell_of(grid, site.position(grid)), cell)) {
         candidates.offer(memory, output, d2, slot, sites, arrivals);
     }
 }

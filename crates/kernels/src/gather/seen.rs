@@ -1,8 +1,8 @@
 //! Candidates that a walk through the cells has met, so that they need not be looked for again.
 
-use super::{Candidates, distance2};
+use super::{Candidates, Placed, distance2};
 use crate::exec::{Input, Local, local};
-use crate::layout::Site;
+use crate::grid::Grid;
 
 /// Most that are remembered: twice the wanted ones and more for k = 50, half a KiB a lane.
 const MOST: u32 = 128;
@@ -41,10 +41,11 @@ impl Seen {
 
     /// Offers `candidates` all that are remembered, as another [`search`](super::search()) would.
     #[inline]
-    pub(super) fn offer<M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O>>(
+    pub(super) fn offer<S: Placed, M: ?Sized, A: ?Sized, O: ?Sized, C: Candidates<M, A, O, S>>(
         &self,
         position: [f32; 3],
-        sites: &Input<Site>,
+        grid: &Grid,
+        sites: &Input<S>,
         arrivals: &A,
         memory: &mut M,
         output: &mut O,
@@ -57,7 +58,7 @@ impl Seen {
         }
         macro_rules! consider {
             ($n:expr, $slot:expr, $site:expr) => {
-                let d2 = distance2(position, $site.position());
+                let d2 = distance2(position, $site.position(grid));
                 if $n < self.len && d2 <= candidates.bound() {
                     candidates.offer(memory, output, d2, $slot, sites, arrivals);
                 }

@@ -48,6 +48,8 @@ pub struct Grid {
     pub slack: f32,
     /// Number of [`Row`]s.
     pub rows: u32,
+    /// Steps in which a compact map keeps positions, from the origin, m.
+    pub step: f32,
 }
 
 /// A row of cells along x, seen from the cell of a query. The table of rows has all that a search may have to visit, nearest
@@ -63,7 +65,7 @@ pub struct Row {
     pub least2: f32,
 }
 
-const _: () = assert!(size_of::<Grid>() == 56 && size_of::<Row>() == 12);
+const _: () = assert!(size_of::<Grid>() == 60 && size_of::<Row>() == 12);
 
 #[cfg(test)]
 mod tests {

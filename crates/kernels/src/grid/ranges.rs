@@ -287,8 +287,8 @@ fn first_from(keys: &Input<u32>, place: u32, end: u32, key: u32) -> u32 {
 /// A photon on its way to its place.
 #[derive(Clone, Copy, Default)]
 pub struct Moved {
-    index: u32,
-    photon: Photon,
+    pub(crate) index: u32,
+    pub(crate) photon: Photon,
 }
 
 /// Copies the photons into sorted order, so that a cell's photons lie side by side: what a search tests apart from what it

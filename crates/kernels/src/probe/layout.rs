@@ -12,8 +12,8 @@ use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
 use crate::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LayerPixel, LedgerBlock, LedgerPass, LedgerSum, Light,
-    Material, PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LatticeTile, LayerPixel, LedgerBlock, LedgerPass,
+    LedgerSum, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
 };
 
 /// Words that a layout kernel writes at most.
@@ -100,7 +100,7 @@ layouts! {
     );
     /// Records of grids and searches.
     layout_grid(
-        grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack, rows },
+        grid: Grid { origin, inverse_cell, cells, hash, table, photons, radius2, cell_width, slack, rows, step },
         rows: Row { y, z, least2 },
         gather: GatherParams { queries, k, guess },
         estimate: EstimateParams { queries, filter, surface, reach },
@@ -123,7 +123,7 @@ layouts! {
     layout_sort(
         radix: RadixPass { count, blocks, shift, values },
         scan: ScanParams { count, row_length },
-        pass: PhotonPass { emitted, first, paths, rays, seed, stored_from },
+        pass: PhotonPass { emitted, first, paths, rays, seed, stored_from, thin },
         targets: Target { centre, radius }
     );
     /// Records of scenes.
@@ -155,12 +155,13 @@ layouts! {
     );
     /// Records of the camera and the film.
     layout_film(
-        camera: Camera { origin, width, corner, height, right, down, lens, focus },
+        camera: Camera { origin, width, corner, height, right, down, lens, focus, jitter },
         tile: CameraTile { first_pixel, pixels, samples, seed },
         vertices: Vertex { normal, primitive, weight, emitted, rays, distance },
         film_tile: FilmTile { first_pixel, pixels, samples, parts },
         film: Pixel { rgb, covered, not_finite, lost, cut_short, rays },
         gather: GatherTile { first_pixel, pixels, samples, rays, seed },
-        layers: LayerPixel { direct, global, caustic, normal, albedo, depth, radius, photons, bias }
+        layers: LayerPixel { direct, global, caustic, normal, albedo, depth, radius, photons, bias },
+        lattice: LatticeTile { first_pixel, pixels, samples, seed, first_row, rows, width, per_pixel, reach2 }
     );
 }

@@ -155,9 +155,9 @@ fn search_rows<const N: usize>(
 ) -> bool {
     let (memory, output, step) = (&mut (), &mut (), CELLS_LANES);
     if grid.hash == HASH_LINEAR {
-        search_share::<true, _, _, _, _>(lane, step, position, grid, rows, sites, &(), begins, memory, output, heap)
+        search_share::<true, _, _, _, _, _>(lane, step, position, grid, rows, sites, &(), begins, memory, output, heap)
     } else {
-        search_share::<false, _, _, _, _>(lane, step, position, grid, rows, sites, &(), begins, memory, output, heap)
+        search_share::<false, _, _, _, _, _>(lane, step, position, grid, rows, sites, &(), begins, memory, output, heap)
     }
 }
 

@@ -21,7 +21,7 @@ use glam::Vec3;
 /// Stream of the camera's random numbers; the photon passes have 0 and 1.
 const STREAM: u32 = 2;
 /// Key of the sequence that places samples on the film; [`direct`](super::direct) has others.
-const FILM_KEY: u32 = 0x5f1a_0000;
+pub(super) const FILM_KEY: u32 = 0x5f1a_0000;
 /// Key of the sequence that places samples on the lens.
 const LENS_KEY: u32 = 0x5f1a_0003;
 /// First dimension of the numbers for shadow rays of glossy surfaces; bounces have those below.
@@ -51,6 +51,8 @@ pub struct Camera {
     pub lens: [[f32; 3]; 2],
     /// Distance of the plane that is in focus, m.
     pub focus: f32,
+    /// 1 if samples are spread over their pixels; 0 if all are in the corner.
+    pub jitter: f32,
 }
 
 /// The part of the film that one plan renders.
@@ -272,8 +274,8 @@ pub(super) fn first_diffuse<const FULL: bool>(
 #[inline]
 pub(super) fn eye_ray<const FULL: bool>(camera: &Camera, pixel: u32, sample: u32, seed: u32) -> (Vec3, Vec3) {
     let jitter = pixel_sobol(pixel, sample, seed, FILM_KEY);
-    let x = (pixel % camera.width) as f32 + jitter[0];
-    let y = (pixel / camera.width) as f32 + jitter[1];
+    let x = (pixel % camera.width) as f32 + jitter[0] * camera.jitter;
+    let y = (pixel / camera.width) as f32 + jitter[1] * camera.jitter;
     let origin = Vec3::from_array(camera.origin);
     let forward =
         Vec3::from_array(camera.corner) + Vec3::from_array(camera.right) * x + Vec3::from_array(camera.down) * y;

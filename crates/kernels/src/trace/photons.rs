@@ -47,6 +47,8 @@ pub struct PhotonPass {
     pub seed: u32,
     /// Diffuse reflections a photon has behind it before it is stored: 1 leaves direct and caustic light out, 0 stores all.
     pub stored_from: u32,
+    /// One photon in so many is stored, with the power of all of them.
+    pub thin: u32,
 }
 
 /// A path's fate: it reached a diffuse surface. Fates are numbers to be added up, for a block of [`SCAN_BLOCK`] paths.
@@ -231,9 +233,12 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
             let wanted =
                 if pass.rays == RAY_GLOBAL { diffuse_bounces >= pass.stored_from } else { specular_bounces > 0 };
             // What a black surface receives is never seen, and would only be found from the surfaces beside it.
-            if wanted && material.survival > 0.0 {
+            // Russian roulette, but for storing alone: the path goes on whichever way it falls.
+            let thin = pass.thin as f32;
+            let kept = pass.thin <= 1 || rng.draw4(2 + 2 * MAX_BOUNCES + bounce)[0] * thin < 1.0;
+            if wanted && kept && material.survival > 0.0 {
                 // A coat lets only a part of the light through to what is diffuse.
-                let entering = if FULL { power * entrance(&material, cos_seen) } else { power };
+                let entering = thin * if FULL { power * entrance(&material, cos_seen) } else { power };
                 store(
                     walked.stored,
                     Photon {

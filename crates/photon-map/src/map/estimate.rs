@@ -60,6 +60,17 @@ impl Surface {
     }
 }
 
+/// How far the k nearest photons are taken to reach.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Nearest {
+    /// As far as they do.
+    #[default]
+    Exact,
+    /// As far as the number of photons in the cells around says, without a look at them: all within that radius count, so that they are k
+    /// photons about. Unlike all else about a map, this depends on its cells, and so on what chooses their width.
+    Approximate,
+}
+
 /// How an irradiance is estimated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Estimate {
@@ -71,6 +82,8 @@ pub struct Estimate {
     pub k: Option<u32>,
     /// How the k nearest are found, where nothing but their power is asked for. Other estimates find them by counting.
     pub gather: Gather,
+    /// Whether they are the k nearest.
+    pub nearest: Nearest,
 }
 
 impl Estimate {
@@ -104,7 +117,7 @@ impl PhotonMap {
         plan.each(Kernel::FaceArrivals, self.grid.photons, &buffers);
     }
 
-    /// Appends the reach of the `k` nearest photons of `count` queries to a plan: a record of [`Reach`] each.
+    /// Appends the reach of the `k` `nearest` photons of `count` queries to a plan: a record of [`Reach`] each.
     ///
     /// # Errors
     /// [`MapError::K`] and [`MapError::Device`].
@@ -115,9 +128,10 @@ impl PhotonMap {
         queries: &Buffer,
         count: u32,
         k: u32,
+        nearest: Nearest,
     ) -> Result<Buffer, MapError> {
         let search = self.plan_search(device, plan, queries, count, known(k)?, k + 1)?;
-        self.append_reaches(device, plan, queries, count, &search)
+        self.append_reaches(device, plan, queries, count, &search, nearest)
     }
 
     fn append_reaches(
@@ -127,12 +141,26 @@ impl PhotonMap {
         queries: &Buffer,
         count: u32,
         super::Search { params, order }: &super::Search,
+        nearest: Nearest,
     ) -> Result<Buffer, MapError> {
         let reaches = device.scratch::<Reach>("reaches", u64::from(count))?;
-        let linear = self.grid.hash == HASH_LINEAR;
-        let kernel = if linear { Kernel::ReachHistogram } else { Kernel::ReachHistogramHashed };
-        let Self { grid_buffer, rows, sites, begins, .. } = self;
-        plan.each(kernel, count, &[params, grid_buffer, rows, queries, order, sites, begins, &reaches]);
+        let compact = self.compact.is_some();
+        let kernel = match (nearest, self.grid.hash == HASH_LINEAR) {
+            (Nearest::Exact, true) if compact => Kernel::ReachCompact,
+            (Nearest::Exact, false) if compact => Kernel::ReachCompactHashed,
+            (Nearest::Exact, true) => Kernel::ReachHistogram,
+            (Nearest::Exact, false) => Kernel::ReachHistogramHashed,
+            // It looks at no photon, so that it may have whatever sites there are.
+            (Nearest::Approximate, true) => Kernel::LikelyReach,
+            (Nearest::Approximate, false) if compact => Kernel::LikelyReachCompact,
+            (Nearest::Approximate, false) => Kernel::LikelyReachHashed,
+        };
+        let Self { grid_buffer, rows, begins, .. } = self;
+        let sites = self.compact.as_ref().filter(|_| kernel != Kernel::LikelyReach).unwrap_or(&self.sites);
+        let rows = (nearest == Nearest::Exact).then_some(rows);
+        let cells = [params, grid_buffer].into_iter().chain(rows);
+        let buffers: Vec<_> = cells.chain([queries, order, sites, begins, &reaches]).collect();
+        plan.each(kernel, count, &buffers);
         Ok(reaches)
     }
 
@@ -140,7 +168,7 @@ impl PhotonMap {
     /// stages of [`plan_irradiance`](Self::plan_irradiance) and [`plan_density`](Self::plan_density).
     ///
     /// # Errors
-    /// [`MapError::K`] and [`MapError::Device`].
+    /// [`MapError::K`], [`MapError::Compact`] and [`MapError::Device`].
     ///
     /// # Panics
     /// If the surface matters and the points have none.
@@ -154,7 +182,14 @@ impl PhotonMap {
         out: &Buffer,
     ) -> Result<(), MapError> {
         let queries = seen.queries;
-        if estimate.filter == Filter::Constant && estimate.surface == Surface::Any {
+        if let Some(records) = &self.compact {
+            if estimate.needs_sides() {
+                return Err(MapError::Compact { what: "estimates of one surface" });
+            }
+            return self.append_compact(device, plan, records, queries, count, estimate, out);
+        }
+        let usual = estimate.filter == Filter::Constant && estimate.surface == Surface::Any;
+        if usual && (estimate.nearest == Nearest::Exact || estimate.k.is_none()) {
             return match estimate.k {
                 Some(k) => self.plan_irradiance(device, plan, queries, count, k, estimate.gather, out),
                 None => self.plan_density(device, plan, queries, count, out),
@@ -164,7 +199,7 @@ impl PhotonMap {
         let k = estimate.k.map_or(Ok(0), known)?;
         let search = self.plan_search(device, plan, queries, count, k, k + 1)?;
         let reaches = match estimate.k {
-            Some(_) => self.append_reaches(device, plan, queries, count, &search)?,
+            Some(_) => self.append_reaches(device, plan, queries, count, &search, estimate.nearest)?,
             None => device.scratch::<Reach>("reaches", 0)?,
         };
         let (filter, surface) = (estimate.filter.code(), estimate.surface.code());
@@ -178,6 +213,34 @@ impl PhotonMap {
         let order = &search.order;
         let known = [&params, grid_buffer, rows, queries, order, &reaches, vertices, primitives];
         plan.each(kernel, count, &[&known[..], &[sites, arrivals, begins, power, out]].concat());
+        Ok(())
+    }
+
+    /// An estimate from a compact map.
+    pub(super) fn append_compact(
+        &self,
+        device: &Device,
+        plan: &mut Plan,
+        records: &Buffer,
+        queries: &Buffer,
+        count: u32,
+        estimate: &Estimate,
+        out: &Buffer,
+    ) -> Result<(), MapError> {
+        let k = estimate.k.map_or(Ok(0), known)?;
+        let search = self.plan_search(device, plan, queries, count, k, k + 1)?;
+        let reaches = match estimate.k {
+            Some(_) => self.append_reaches(device, plan, queries, count, &search, estimate.nearest)?,
+            None => device.scratch::<Reach>("reaches", 0)?,
+        };
+        let reach = u32::from(estimate.k.is_some());
+        let params = EstimateParams { queries: count, filter: estimate.filter.code(), surface: SURFACE_ANY, reach };
+        let params = device.upload("estimate: params", &[params])?;
+        let linear = self.grid.hash == HASH_LINEAR;
+        let kernel = if linear { Kernel::IrradianceCompact } else { Kernel::IrradianceCompactHashed };
+        let Self { grid_buffer, rows, begins, power, .. } = self;
+        let order = &search.order;
+        plan.each(kernel, count, &[&params, grid_buffer, rows, queries, order, &reaches, records, begins, power, out]);
         Ok(())
     }
 

@@ -2,6 +2,7 @@
 
 mod front;
 mod point;
+mod recall;
 mod reference;
 mod report;
 mod run;

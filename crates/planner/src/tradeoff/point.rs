@@ -1,10 +1,10 @@
 //! The settings that are tried.
 
 use caustic_device::Precision;
-use caustic_photon_map::{Filter, Gather, Hash, MAX_K, Surface};
+use caustic_photon_map::{Filter, Gather, Hash, MAX_K, Nearest, Surface};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_PHOTONS;
-use caustic_renderer::{Feature, Integrator, Settings, Stop, decide};
+use caustic_renderer::{Feature, Integrator, Settings, Show, Stop, decide};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -57,6 +57,9 @@ impl Point {
         let mut words = format!("caustic render {scene} -o point.exr --device {device} --size {width}x{height}");
         let mut say = |flag: &str, value: String| words += &format!(" --{flag} {value}");
         say("spp", settings.spp.to_string());
+        if settings.show != Show::Beauty {
+            say("show", settings.show.name().to_string());
+        }
         if settings.integrator != Integrator::Photon {
             say("integrator", name(&settings.integrator));
         }
@@ -71,6 +74,9 @@ impl Point {
             ("surface", name(&settings.surface), name(&Surface::Any)),
             ("gather", name(&settings.gather), name(&Gather::Auto)),
             ("hash", name(&settings.hash), name(&Hash::Auto)),
+            ("nearest", name(&settings.nearest), name(&Nearest::Exact)),
+            ("thin", settings.thin.to_string(), "1".to_string()),
+            ("interpolate", settings.interpolate.to_string(), "0".to_string()),
             ("precision", name(&self.precision), name(&Precision::Exact)),
         ];
         for (flag, value, _) in usual.into_iter().filter(|(_, value, usual)| value != usual) {
@@ -85,13 +91,16 @@ impl Point {
         if let Some(passes) = settings.stop.passes {
             say("passes", passes.to_string());
         }
+        if settings.compact {
+            words += " --compact";
+        }
         words
     }
 }
 
-/// The settings that a sweep begins from: the scene's, of a small picture.
+/// The settings that a sweep begins from: the scene's, of a small picture of a part of its light.
 #[must_use]
-pub fn base(scene: &Scene, quick: bool) -> Settings {
+pub fn base(scene: &Scene, quick: bool, show: Show) -> Settings {
     let settings = Settings::of(scene);
     let [width, height] = settings.size.map(f64::from);
     let scale = if quick { QUICK_SIDE } else { SIDE } / width.max(height);
@@ -103,14 +112,15 @@ pub fn base(scene: &Scene, quick: bool) -> Settings {
         // With as many photons in it.
         radius: (f64::from(settings.radius) * f64::from(fewer).sqrt()) as f32,
         spp: 4,
+        show,
         ..settings
     }
 }
 
 /// All points, each knob's from less to more; the scene's own settings are the first.
 #[must_use]
-pub fn points(scene: &Scene, quick: bool, gpu: bool) -> Vec<Point> {
-    let base = base(scene, quick);
+pub fn points(scene: &Scene, quick: bool, show: Show, gpu: bool) -> Vec<Point> {
+    let base = base(scene, quick, show);
     let mut points = Vec::new();
     let mut add = |knob: &'static str, value: String, settings: Settings| {
         points.push(Point { knob, value, settings, precision: Precision::Exact });
@@ -154,6 +164,14 @@ pub fn points(scene: &Scene, quick: bool, gpu: bool) -> Vec<Point> {
     for surface in [Surface::Facing, Surface::Own] {
         add("surface", format!("{surface:?}").to_lowercase(), Settings { surface, ..base.clone() });
     }
+    for thin in [2, 8] {
+        add("thinning", thin.to_string(), Settings { thin, ..base.clone() });
+    }
+    add("compact", "16 bytes".to_string(), Settings { compact: true, ..base.clone() });
+    add("nearest", "approximate".to_string(), Settings { nearest: Nearest::Approximate, ..base.clone() });
+    for interpolate in [1, 2, 4, 8] {
+        add("interpolation", interpolate.to_string(), Settings { interpolate, ..base.clone() });
+    }
     for gather in [Gather::Histogram, Gather::Heap, Gather::List] {
         add("gather", format!("{gather:?}").to_lowercase(), Settings { gather, ..base.clone() });
     }
@@ -181,10 +199,16 @@ pub fn points(scene: &Scene, quick: bool, gpu: bool) -> Vec<Point> {
         add("paths", spp.to_string(), paths);
     }
     add("final gather", "8".to_string(), Settings { final_gather: 8, ..base.clone() });
+    let (final_gather, interpolate) = (64, 4);
+    add("final gather", "64, every 4 pixels".to_string(), Settings { final_gather, interpolate, ..base.clone() });
     // Without photon maps, only what is not about them differs.
     let maps = [Feature::GlobalMap, Feature::CausticMap];
     if !decide(&scene.compile(), &base).iter().any(|one| one.modelled && maps.contains(&one.feature)) {
         points.retain(|point| ["scene's own", "samples", "paths"].contains(&point.knob));
+    }
+    // Paths know no parts of the light, and not every part has estimates at all.
+    if show != Show::Beauty {
+        points.retain(|point| point.settings.validate().is_ok());
     }
     if gpu {
         points.push(Point { knob: "precision", value: "fast".to_string(), settings: base, precision: Precision::Fast });
@@ -202,7 +226,7 @@ mod tests {
     fn points_of_all_scenes_are_valid_and_have_commands_of_their_own() {
         for scene in BUILT_IN.iter().map(|scene| Scene::load(scene.name).unwrap()) {
             for quick in [false, true] {
-                let points = points(&scene, quick, true);
+                let points = points(&scene, quick, Show::Beauty, true);
                 for point in &points {
                     point.settings.validate().unwrap_or_else(|error| panic!("{}: {point:?}: {error}", scene.name));
                 }

@@ -7,7 +7,7 @@ use caustic_metrics::Image;
 use caustic_photon_map::Surface;
 use caustic_renderer::output::{self, Metadata};
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{Given, Integrator, Progress, RenderError, Settings, Stop, render_on};
+use caustic_renderer::{Given, Integrator, Progress, RenderError, Settings, Show, Stop, render_on};
 use std::path::Path;
 
 /// Seed of the reference: of no point.
@@ -25,11 +25,12 @@ pub fn reference(
     scene: &Scene,
     device: &Device,
     quick: bool,
+    show: Show,
     given: Option<&Path>,
     folder: &Path,
     progress: &mut dyn FnMut(Progress) -> bool,
 ) -> Result<Image, Option<String>> {
-    let size = base(scene, quick).size;
+    let size = base(scene, quick, show).size;
     let sized = |image: Image, from: &str| {
         if [image.width(), image.height()] == size.map(|side| side as usize) {
             return Ok(image);
@@ -45,7 +46,7 @@ pub fn reference(
         let image = Image::read(path).map_err(|error| Some(format!("--reference: {error}")))?;
         return sized(image, &format!("`{}`", path.display()));
     }
-    let settings = settings(scene, quick);
+    let settings = settings(scene, quick, show);
     let identity = format!("caustic {} {} {settings:?}\n", env!("CARGO_PKG_VERSION"), scene.compile().sha256());
     let (picture, beside) = (folder.join("reference.exr"), folder.join("reference.txt"));
     if std::fs::read_to_string(&beside).is_ok_and(|text| text == identity)
@@ -74,8 +75,8 @@ pub fn reference(
 }
 
 /// How the reference is rendered.
-fn settings(scene: &Scene, quick: bool) -> Settings {
-    let base = base(scene, quick);
+fn settings(scene: &Scene, quick: bool, show: Show) -> Settings {
+    let base = base(scene, quick, show);
     let passes = Some(if quick { QUICK_PASSES } else { PASSES });
     let most = if quick { 50_000 } else { 500_000 };
     Settings {

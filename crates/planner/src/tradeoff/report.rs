@@ -10,7 +10,8 @@ use serde_json::{Value, json as value};
 use std::fmt::Write;
 
 /// Numbers of a point that tables have.
-const NUMBERS: [&str; 7] = ["seconds", "memory_bytes", "relmse", "flip", "yee", "rmse", "photons_emitted"];
+const NUMBERS: [&str; 9] =
+    ["seconds", "memory_bytes", "relmse", "flip", "yee", "rmse", "photons_emitted", "recall", "radius_error"];
 
 /// A measured point.
 struct Row<'a> {
@@ -135,8 +136,8 @@ pub fn html(store: &Store, points: &[(Case, Point)], svgs: &[(String, String)], 
     let _ = writeln!(
         page,
         "<p>Each knob swept by itself around the scene's own settings, in pictures small enough for it; errors are those against the reference. \
-         A point is worth having if no other is both cheaper and less wrong. Searches are exact: recall is 1 for every hash and gather, which \
-         differ in time and memory alone. caustic {}, commit {}, {}, begun {}.</p>",
+         A point is worth having if no other is both cheaper and less wrong. recall@k is the share of the k nearest photons \
+         that an estimate counts: all of them for every hash and gather, which differ in time and memory alone. caustic {}, commit {}, {}, begun {}.</p>",
         escaped(&header.machine.caustic),
         escaped(&header.machine.commit),
         escaped(&header.command),
@@ -157,8 +158,23 @@ pub fn html(store: &Store, points: &[(Case, Point)], svgs: &[(String, String)], 
     for (_, svg) in svgs {
         let _ = writeln!(page, "<figure>{svg}</figure>");
     }
-    let columns =
-        ["knob", "value", "time, s", "memory, MiB", "relMSE", "FLIP", "Yee, pixels", "worth", "beaten by", "command"];
+    let or_nothing = |number: f64, digits| {
+        if number.is_finite() { format!("{number:.digits$}") } else { String::new() }
+    };
+    let columns = [
+        "knob",
+        "value",
+        "time, s",
+        "memory, MiB",
+        "relMSE",
+        "FLIP",
+        "Yee, pixels",
+        "recall@k",
+        "radius off, %",
+        "worth",
+        "beaten by",
+        "command",
+    ];
     let of_rows = rows.iter().enumerate().map(|(i, row)| {
         let worth = match (time.worth.contains(&i), memory.worth.contains(&i)) {
             (true, true) => "time, memory",
@@ -175,6 +191,8 @@ pub fn html(store: &Store, points: &[(Case, Point)], svgs: &[(String, String)], 
             format!("{:.2e}", row.number("relmse")),
             format!("{:.4}", row.number("flip")),
             format!("{:.0}", row.number("yee")),
+            or_nothing(row.number("recall"), 3),
+            or_nothing(100.0 * row.number("radius_error"), 1),
             format!("{worth}{knee}"),
             beaten_by(&rows, i),
             row.case.command.clone(),

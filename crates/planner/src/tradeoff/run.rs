@@ -2,6 +2,7 @@
 
 use super::Store;
 use super::point::{Case, Point};
+use super::recall::recall;
 use caustic_device::{Device, Precision};
 use caustic_experiments::store::Outcome;
 use caustic_metrics::{Image, Metric, compare};
@@ -86,6 +87,10 @@ fn measure(
     let [width, height] = [rendered.image.width, rendered.image.height].map(|side| side as usize);
     let image = Image::from_linear(width, height, rendered.image.rgb);
     let image = image.map_err(|error| RenderError::AfterPass(error.to_string()))?;
+    if let Some(recall) = recall(scene, &point.settings, device)? {
+        add("recall", recall.recall);
+        add("radius_error", recall.radius_error);
+    }
     for metric in Metric::all() {
         // FLIP cannot compare pictures below its filters' size, and says so by an error.
         if let Ok(score) = compare(&image, reference, metric) {

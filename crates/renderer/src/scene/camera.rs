@@ -23,5 +23,6 @@ pub(super) fn camera(view: &Viewpoint, width: u32, height: u32) -> Camera {
         down: rounded(up * (-2.0 * half_height / rows)),
         lens: [rounded(right * view.lens_radius), rounded(up * view.lens_radius)],
         focus: if view.lens_radius > 0.0 { view.focus as f32 } else { 0.0 },
+        jitter: 1.0,
     }
 }
