@@ -33,7 +33,8 @@ fn each_way_has_the_same_bits_on_both_devices() {
     for name in ["cornell", "cornell-glossy", "landscape"] {
         let scene = load(name);
         let base = Settings { size: [31, 23], ..small(&scene) };
-        let base = Settings { radius: Settings::of(&scene).radius, ..base };
+        // Larger than k photons need, so that it matters how far they reach.
+        let base = Settings { radius: 20.0 * Settings::of(&scene).radius, k: 20, ..base };
         let exact = image(&scene, &base, &Device::cpu());
         for (way, settings) in ways(&base) {
             let cpu = image(&scene, &settings, &Device::cpu());
@@ -68,7 +69,15 @@ fn relmse(image: &Image, reference: &Image) -> f64 {
 #[test]
 fn each_way_is_off_by_less_than_noise() {
     let scene = load("cornell");
-    let base = Settings { size: [64, 64], show: Show::Global, spp: 4, photons: 60_000, k: 100, ..Settings::of(&scene) };
+    let base = Settings {
+        size: [64, 64],
+        show: Show::Global,
+        spp: 4,
+        photons: 60_000,
+        k: 100,
+        radius: 0.3,
+        ..Settings::of(&scene)
+    };
     let of = |settings: &Settings| image(&scene, settings, &Device::cpu());
     let exact = of(&base);
     let noise = relmse(&of(&Settings { seed: 1, ..base.clone() }), &exact);
@@ -82,11 +91,29 @@ fn each_way_is_off_by_less_than_noise() {
         println!("{way}: relMSE {off:.5} beside a noise of {noise:.5}");
         assert!(off > 0.0 && off < noise, "{way}: {off}, noise {noise}");
     }
-    // Eight times fewer photons are noisier, and as bright.
-    let thin = of(&Settings { thin: 8, ..base });
-    let ratio = mean_rgb(&thin)[1] / mean_rgb(&exact)[1];
-    println!("thin: mean {ratio:.4}, relMSE {:.5}", relmse(&thin, &exact));
-    assert!(relmse(&thin, &exact) > noise && (ratio - 1.0).abs() < 0.05, "{ratio}");
+    // Eight times fewer photons are noisier.
+    let thin = relmse(&of(&Settings { thin: 8, ..base }), &exact);
+    println!("thin: relMSE {thin:.5}");
+    assert!(thin > noise, "{thin}, noise {noise}");
+}
+
+/// What is left out is made up for: light that was reflected once or more is a quarter of the furnace's, over many seeds.
+#[test]
+fn the_furnace_is_as_bright_with_each_way() {
+    let scene = load("furnace");
+    let base = Settings { size: [24, 24], spp: 8, surface: Surface::Own, show: Show::Global, ..Settings::of(&scene) };
+    let base = Settings { photons: 100_000, radius: 0.3, ..base };
+    for (way, settings) in [
+        ("exact", base.clone()),
+        ("thin", Settings { photons: 400_000, thin: 4, ..base.clone() }),
+        ("approximate", Settings { nearest: Nearest::Approximate, ..base.clone() }),
+        ("every 3 pixels", Settings { interpolate: 3, ..base.clone() }),
+    ] {
+        let of_seed = |seed| mean_rgb(&image(&scene, &Settings { seed, ..settings.clone() }, &Device::cpu()))[1] / 0.25;
+        let (mean, se) = mean_and_error(&(0..20).map(of_seed).collect::<Vec<_>>());
+        println!("{way}: {mean:.5}, SE {se:.5}");
+        assert!((mean - 1.0).abs() < 4.0 * se && se < 3e-3, "{way}: {mean} ± {se}");
+    }
 }
 
 /// Photons and queries on a square of 1 m.
@@ -100,7 +127,7 @@ fn square(photons: u32, queries: u32) -> (Vec<Photon>, Vec<Query>) {
 fn the_likely_reach_is_near_the_exact_one() {
     let (photons, queries) = square(40_000, 500);
     for (hash, k) in [(Hash::Linear, 20), (Hash::Linear, 100), (Hash::Morton, 50)] {
-        let options = MapOptions { radius: 0.5, hash, table: None, cell: None };
+        let options = MapOptions { radius: 0.1, hash, table: None, cell: None };
         let reaches = |device: &Device, nearest| {
             let map = PhotonMap::build(device, &photons, &options).unwrap();
             map.reaches(device, &queries, k, nearest).unwrap()

@@ -1,7 +1,7 @@
 //! Filters: an even surface is estimated as what it is, whatever the filter. Seeds are fixed.
 
 use caustic_device::Device;
-use caustic_photon_map::{Estimate, Filter, Gather, Hash, MapOptions, PhotonMap, Surface};
+use caustic_photon_map::{Estimate, Filter, Hash, MapOptions, PhotonMap, Surface};
 use caustic_tests::points::{photons_at, query, uniform};
 use caustic_tests::renders::mean_and_error;
 

@@ -1,7 +1,7 @@
 //! Integrators against closed forms, each other and themselves on another device. Seeds are fixed; bounds are 4 standard errors.
 
 use caustic_device::Device;
-use caustic_photon_map::{Filter, Hash, Nearest, Surface};
+use caustic_photon_map::{Filter, Hash, Surface};
 use caustic_renderer::output::Image;
 use caustic_renderer::scene::Scene;
 use caustic_renderer::{Given, Integrator, ProgressState, Rendered, Settings, Show, Stop, render_on};
@@ -35,9 +35,6 @@ fn the_furnace_is_as_bright_as_each_integrator_should_see_it() {
         ("path", 1.0, Settings { integrator: Integrator::Path, ..base.clone() }),
         ("direct", 0.75, Settings { integrator: Integrator::Direct, spp: 256, ..base.clone() }),
         ("photon", 1.0, Settings { photons: 100_000, spp: 32, ..base.clone() }),
-        ("thin", 1.0, Settings { photons: 400_000, thin: 4, spp: 32, ..base.clone() }),
-        ("approximate", 1.0, Settings { photons: 100_000, nearest: Nearest::Approximate, spp: 32, ..base.clone() }),
-        ("interpolated", 1.0, Settings { photons: 100_000, interpolate: 3, spp: 32, ..base.clone() }),
         ("progressive", 1.0, Settings { integrator: Integrator::Progressive, ..progressive.clone() }),
         ("final gather", 1.0, Settings { photons: 50_000, final_gather: 4, spp: 16, ..base.clone() }),
     ] {

@@ -1,7 +1,7 @@
 //! Which words of a record are floats.
 
 use bytemuck::Pod;
-use caustic_kernels::gather::{EstimateParams, GatherParams, Reach};
+use caustic_kernels::gather::{Compact, EstimateParams, GatherParams, Reach};
 use caustic_kernels::grid::{Grid, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
@@ -9,8 +9,8 @@ use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
 use caustic_kernels::sort::{RadixPass, ScanParams};
 use caustic_kernels::trace::{
-    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LayerPixel, LedgerBlock, LedgerPass, LedgerSum, Light,
-    Material, PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
+    BvhNode, Camera, CameraTile, Corners, FilmTile, GatherTile, LatticeTile, LayerPixel, LedgerBlock, LedgerPass,
+    LedgerSum, Light, Material, PhotonPass, Pixel, Primitive, SceneInfo, Tally, Target, Texel, Texture, Vertex,
 };
 
 /// A record whose words are known to be floats or integers.
@@ -39,7 +39,8 @@ records! {
     Irradiance: "fffu",
     Site: "uuuu",
     Arrival: "uuuuuuuuuuuu",
-    Grid: "ffffuuuuuufffu",
+    Compact: "uuuu",
+    Grid: "ffffuuuuuufffuf",
     Row: "uuf",
     GatherParams: "uuf",
     EstimateParams: "uuuu",
@@ -53,7 +54,7 @@ records! {
     KdRadius: "uuuuf",
     RadixPass: "uuuu",
     ScanParams: "uu",
-    PhotonPass: "uuuuuu",
+    PhotonPass: "uuuuuuu",
     SceneInfo: "uuuuuuuuu",
     BvhNode: "fffufffu",
     Primitive: "uuufffffffffffff",
@@ -68,10 +69,11 @@ records! {
     LedgerPass: "u",
     LedgerBlock: "uu",
     LedgerSum: "fffffffffffffffffuu",
-    Camera: "fffufffufffffffffffff",
+    Camera: "fffufffuffffffffffffff",
     Vertex: "fffuffffffuf",
     FilmTile: "uuuu",
     GatherTile: "uuuuu",
+    LatticeTile: "uuuuuuuff",
     LayerPixel: "fffffffffffffffffffffff",
     Pixel: "fffuuuuu",
     // Bits of operands and results, NaN among them.

@@ -127,13 +127,17 @@ macro_rules! stages {
                 5 sites: In Site, 6 begins: In u32, 7 reaches: Out Reach
             ) = gather::gather_reach[false, _, _];
             each LikelyReach = likely_reach [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 sites: In Site,
-                5 begins: In u32, 6 reaches: Out Reach
-            ) = gather::likely_reach[true, _, _];
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 begins: In u32,
+                5 reaches: Out Reach
+            ) = gather::likely_reach;
             each LikelyReachHashed = likely_reach_hashed [64] (
                 0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 sites: In Site,
                 5 begins: In u32, 6 reaches: Out Reach
-            ) = gather::likely_reach[false, _, _];
+            ) = gather::likely_reach_hashed;
+            each LikelyReachCompact = likely_reach_compact [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 records: In Compact,
+                5 begins: In u32, 6 reaches: Out Reach
+            ) = gather::likely_reach_hashed;
             each SnapPhotons = snap_photons [256] (
                 0 grid: One Grid, 1 photons: InOut Photon
             ) = gather::snap_photons;
@@ -148,10 +152,6 @@ macro_rules! stages {
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 records: In Compact, 6 begins: In u32, 7 reaches: Out Reach
             ) = gather::gather_reach[false, _, _];
-            each LikelyReachCompact = likely_reach_compact [64] (
-                0 params: One GatherParams, 1 grid: One Grid, 2 queries: In Query, 3 query_order: In u32, 4 records: In Compact,
-                5 begins: In u32, 6 reaches: Out Reach
-            ) = gather::likely_reach[false, _, _];
             each IrradianceCompact = irradiance_compact [64] (
                 0 params: One EstimateParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 reaches: In Reach, 6 records: In Compact, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance

@@ -93,7 +93,10 @@ fn measure(program: &Path, root: &Path, scene: &str, device: &str) -> Result<(St
     let entry = Entry {
         seconds: Pair { foreseen: foreseen("seconds")?, came: number(&planned, "/seconds")? },
         bytes: Pair { foreseen: foreseen("bytes")?, came: number(&planned, "/peak_bytes")? },
-        relmse: Pair { foreseen: foreseen("noise")? + foreseen("bias")?, came: number(&compared, "/metrics/relmse/value")? },
+        relmse: Pair {
+            foreseen: foreseen("noise")? + foreseen("bias")?,
+            came: number(&compared, "/metrics/relmse/value")?,
+        },
     };
     let device = planned["device"].as_str().context("the report has no device")?;
     Ok((device.to_string(), entry))

@@ -17,7 +17,22 @@ const PER_PI: f32 = core::f32::consts::FRAC_1_PI;
 /// expected on the disc πr² = (2h + 1)²·c²·k/n. All photons on it count, however many they are, so that an
 /// estimate over the disc is as right as any of another radius; only its noise and its blur are not quite those that k stands for.
 #[inline]
-pub fn likely_reach<const LINEAR: bool, S: Placed, R: Store<Reach> + ?Sized>(
+pub fn likely_reach<R: Store<Reach> + ?Sized>(
+    i: u32,
+    params: &GatherParams,
+    grid: &Grid,
+    queries: &Input<Query>,
+    query_order: &Input<u32>,
+    begins: &Input<u32>,
+    reaches: &mut R,
+) {
+    let within = move |centre, half| runs(centre, half, grid, begins);
+    reach(i, params, grid, queries, query_order, within, reaches);
+}
+
+/// The same in a table that scatters cells, so that it looks at which photons are in which cell.
+#[inline]
+pub fn likely_reach_hashed<S: Placed, R: Store<Reach> + ?Sized>(
     i: u32,
     params: &GatherParams,
     grid: &Grid,
@@ -25,6 +40,21 @@ pub fn likely_reach<const LINEAR: bool, S: Placed, R: Store<Reach> + ?Sized>(
     query_order: &Input<u32>,
     sites: &Input<S>,
     begins: &Input<u32>,
+    reaches: &mut R,
+) {
+    let within = move |centre, half| cells(centre, half, grid, sites, begins);
+    reach(i, params, grid, queries, query_order, within, reaches);
+}
+
+/// The probable reach, where `within` counts the photons of a cube and says whether it came to an end.
+#[inline]
+fn reach<R: Store<Reach> + ?Sized, F: Fn([u32; 3], u32) -> (u32, bool)>(
+    i: u32,
+    params: &GatherParams,
+    grid: &Grid,
+    queries: &Input<Query>,
+    query_order: &Input<u32>,
+    within: F,
     reaches: &mut R,
 ) {
     if i >= params.queries {
@@ -38,7 +68,7 @@ pub fn likely_reach<const LINEAR: bool, S: Placed, R: Store<Reach> + ?Sized>(
         let mut half = 1;
         let mut searching = true;
         while searching {
-            let (photons, whole) = within::<LINEAR, _>(centre, half, grid, sites, begins);
+            let (photons, whole) = within(centre, half);
             let side = (2 * half + 1) as f32 * grid.cell_width;
             let square = side * side * PER_PI;
             if !whole {
@@ -57,47 +87,59 @@ pub fn likely_reach<const LINEAR: bool, S: Placed, R: Store<Reach> + ?Sized>(
     reaches.set(q, reach);
 }
 
-/// Photons in the cube of cells that reaches `half` cells to each side of `centre`, and whether they were counted to the end.
+/// Photons in the cube of cells that reaches `half` cells to each side of `centre`, and whether they were counted to the end: in a linear
+/// table a row of cells is a run.
 #[inline]
-fn within<const LINEAR: bool, S: Placed>(
-    centre: [u32; 3],
-    half: u32,
-    grid: &Grid,
-    sites: &Input<S>,
-    begins: &Input<u32>,
-) -> (u32, bool) {
-    let [low, high] = [range(centre[0], half, grid.cells[0]), range(centre[1], half, grid.cells[1])];
+fn runs(centre: [u32; 3], half: u32, grid: &Grid, begins: &Input<u32>) -> (u32, bool) {
+    let across = range(centre[0], half, grid.cells[0]);
+    let up = range(centre[1], half, grid.cells[1]);
     let deep = range(centre[2], half, grid.cells[2]);
     let mut photons = 0;
     let mut whole = true;
     let mut z = deep[0];
     while z <= deep[1] {
-        let mut y = high[0];
-        while y <= high[1] {
-            if LINEAR {
-                let first = linear([low[0], y, z], grid.cells);
-                photons += begins[(first + low[1] - low[0] + 1) as usize] - begins[first as usize];
-            } else {
-                let mut x = low[0];
-                while x <= low[1] {
-                    let cell = [x, y, z];
-                    let entry = hash_cell(grid, cell);
-                    let mut slot = begins[entry as usize];
-                    let end = begins[(entry + 1) as usize];
-                    // Other cells may share the entry.
-                    while slot < end {
-                        let other = cell_of(grid, sites[slot as usize].position(grid));
-                        photons += u32::from(other[0] == cell[0] && other[1] == cell[1] && other[2] == cell[2]);
-                        slot += 1;
-                    }
-                    whole = whole && slot >= end;
-                    x += 1;
-                }
-                whole = whole && x > low[1];
-            }
+        let mut y = up[0];
+        while y <= up[1] {
+            let first = linear([across[0], y, z], grid.cells);
+            photons += begins[(first + across[1] - across[0] + 1) as usize] - begins[first as usize];
             y += 1;
         }
-        whole = whole && y > high[1];
+        whole = whole && y > up[1];
+        z += 1;
+    }
+    (photons, whole && z > deep[1])
+}
+
+/// The same where each cell has a table entry of its own, which others may share.
+#[inline]
+fn cells<S: Placed>(centre: [u32; 3], half: u32, grid: &Grid, sites: &Input<S>, begins: &Input<u32>) -> (u32, bool) {
+    let across = range(centre[0], half, grid.cells[0]);
+    let up = range(centre[1], half, grid.cells[1]);
+    let deep = range(centre[2], half, grid.cells[2]);
+    let mut photons = 0;
+    let mut whole = true;
+    let mut z = deep[0];
+    while z <= deep[1] {
+        let mut y = up[0];
+        while y <= up[1] {
+            let mut x = across[0];
+            while x <= across[1] {
+                let cell = [x, y, z];
+                let entry = hash_cell(grid, cell);
+                let mut slot = begins[entry as usize];
+                let end = begins[(entry + 1) as usize];
+                while slot < end {
+                    let other = cell_of(grid, sites[slot as usize].position(grid));
+                    photons += u32::from(other[0] == cell[0] && other[1] == cell[1] && other[2] == cell[2]);
+                    slot += 1;
+                }
+                whole = whole && slot >= end;
+                x += 1;
+            }
+            whole = whole && x > across[1];
+            y += 1;
+        }
+        whole = whole && y > up[1];
         z += 1;
     }
     (photons, whole && z > deep[1])
@@ -139,9 +181,9 @@ mod tests {
         let queries = [Query { position, active: 1 }];
         let out = reaches.as_mut_slice();
         if hash == HASH_LINEAR {
-            likely_reach::<true, _, _>(0, &params, &grid, &queries, &[0], &sites, &begins, out);
+            likely_reach(0, &params, &grid, &queries, &[0], &begins, out);
         } else {
-            likely_reach::<false, _, _>(0, &params, &grid, &queries, &[0], &sites, &begins, out);
+            likely_reach_hashed(0, &params, &grid, &queries, &[0], &sites, &begins, out);
         }
         reaches[0]
     }

@@ -32,7 +32,7 @@ pub use estimate::{gather_irradiance, gather_neighbours};
 pub use filter::{FILTER_CONE, FILTER_CONSTANT, FILTER_EPANECHNIKOV, FILTER_GAUSSIAN, filter_integral, filter_weight};
 pub use filtered::{EstimateParams, gather_filtered};
 pub use heap::Heap;
-pub use likely::likely_reach;
+pub use likely::{likely_reach, likely_reach_hashed};
 pub use list::SortedList;
 pub use neighbours::{WideColumns, gather_neighbours_by_counting, order_neighbours};
 pub(crate) use power::Power;

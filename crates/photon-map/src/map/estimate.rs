@@ -150,16 +150,16 @@ impl PhotonMap {
             (Nearest::Exact, false) if compact => Kernel::ReachCompactHashed,
             (Nearest::Exact, true) => Kernel::ReachHistogram,
             (Nearest::Exact, false) => Kernel::ReachHistogramHashed,
-            // It looks at no photon, so that it may have whatever sites there are.
             (Nearest::Approximate, true) => Kernel::LikelyReach,
             (Nearest::Approximate, false) if compact => Kernel::LikelyReachCompact,
             (Nearest::Approximate, false) => Kernel::LikelyReachHashed,
         };
         let Self { grid_buffer, rows, begins, .. } = self;
-        let sites = self.compact.as_ref().filter(|_| kernel != Kernel::LikelyReach).unwrap_or(&self.sites);
         let rows = (nearest == Nearest::Exact).then_some(rows);
+        // A run of cells is counted without a look at the photons.
+        let photons = (kernel != Kernel::LikelyReach).then_some(self.compact.as_ref().unwrap_or(&self.sites));
         let cells = [params, grid_buffer].into_iter().chain(rows);
-        let buffers: Vec<_> = cells.chain([queries, order, sites, begins, &reaches]).collect();
+        let buffers: Vec<_> = cells.chain([queries, order]).chain(photons).chain([begins, &reaches]).collect();
         plan.each(kernel, count, &buffers);
         Ok(reaches)
     }
