@@ -11,6 +11,8 @@ pub const MAX_TABLE: u32 = 1 << 27;
 const MAX_EXTENT: f64 = 1e37;
 /// Most cells of a linear hash: three passes of the sort.
 const MAX_CELLS: u32 = 1 << 24;
+/// Entries of a linear table a photon, at most: as many bytes as the photon takes.
+const ENTRIES_PER_PHOTON: u64 = 16;
 /// How much fuller than those of a Teschner hash the cells of a linear one may be, as photons see it, before the former is faster. On an H100
 /// cells eleven times as full (nine of ten photons in a thousandth of the volume) take the linear hash 1.7 times as long as even ones,
 /// and Teschner's takes 2.5 times as long as the linear one where both have the cells they want (two CPU cores): the crossover is beyond.
@@ -75,7 +77,7 @@ pub fn plan_grid(
     let with = |hash| MapOptions { hash, ..*options };
     let options = &match options.hash {
         Hash::Auto => {
-            let crowd = |hash| occupancy(low, photons, sample, possible_width(sides, wanted, &with(hash)));
+            let crowd = |hash| occupancy(low, photons, sample, possible_width(sides, photons, wanted, &with(hash)));
             let [linear, scattered] = [Hash::Linear, Hash::Teschner].map(crowd);
             if linear > CROWDED * scattered.max(OCCUPANCY) {
                 // The most entries of a linear table say nothing of one that scatters cells.
@@ -86,7 +88,7 @@ pub fn plan_grid(
         }
         hash => with(hash),
     };
-    let width = possible_width(sides, wanted, options);
+    let width = possible_width(sides, photons, wanted, options);
     // (x − origin)·s has a relative error of 2⁻²³ at most, hence an absolute one of inner·2⁻²³ cells, for each of two points.
     let inner = extent / width + 1.0;
     let inverse_cell = round_down(1.0 / width);
@@ -146,14 +148,21 @@ pub fn rows(grid: &Grid) -> Vec<Row> {
     rows.into_iter().map(|(_, row)| row).collect()
 }
 
+/// Most entries of a linear table for so many photons, unless it is said: where few photons crowd, more would take longer to fill than they save.
+#[must_use]
+pub fn most_entries(photons: u64) -> u32 {
+    (ENTRIES_PER_PHOTON * photons).clamp(1 << 16, u64::from(MAX_CELLS)) as u32
+}
+
 /// The width that cells can have: `wanted`, or more where there would be too many of them.
-fn possible_width(sides: [f64; 3], wanted: f64, options: &MapOptions) -> f64 {
+fn possible_width(sides: [f64; 3], photons: u64, wanted: f64, options: &MapOptions) -> f64 {
     let radius = f64::from(options.radius);
     let longest = sides.into_iter().fold(0.0, f64::max);
     // A hash that scatters cells looks each one up: no more than 125 of them.
     let finest = if options.hash == Hash::Linear { radius / MOST_REACH } else { radius / 2.0 };
     let mut width = wanted.max(finest).max(longest / f64::from(MAX_CELLS_PER_AXIS - 8));
-    let most = options.table.unwrap_or(MAX_CELLS).clamp(1, MAX_CELLS);
+    let usual = if options.cell.is_some() { MAX_CELLS } else { most_entries(photons) };
+    let most = options.table.unwrap_or(usual).clamp(1, MAX_CELLS);
     let cells = |width: f64| sides.into_iter().map(|side| (side / width).floor() + 1.0).product::<f64>();
     while options.hash == Hash::Linear && cells(width) > f64::from(most) {
         width *= 1.01;

@@ -27,7 +27,7 @@ mod sort;
 mod streamed;
 
 pub use error::MapError;
-pub use grid::{MAX_TABLE, RADII, bounds, plan_grid, rows};
+pub use grid::{MAX_TABLE, RADII, bounds, most_entries, plan_grid, rows};
 pub use health::Health;
 pub use map::{Estimate, Filter, Nearest, Neighbours, PhotonMap, Seen, Surface, query_count, sample, whole};
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};

@@ -104,7 +104,7 @@ fn integrator(settings: &Settings) -> Line {
 fn hash(settings: &Settings) -> Line {
     let why = match settings.hash {
         Hash::Auto => {
-            "linear, unless its table of at most 2^24 entries has cells too wide for how the photons crowd; then teschner"
+            "linear, unless its table of at most 16 entries a photon, and 2^24, has cells too wide for how the photons crowd; then teschner"
         }
         Hash::Linear => "asked for: no collisions, a table as large as the grid",
         Hash::Teschner => "asked for: a table by occupied cells, for any extent",

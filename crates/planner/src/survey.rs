@@ -6,7 +6,7 @@
 
 use crate::pilot::{Pilot, pilot};
 use caustic_device::Device;
-use caustic_photon_map::{Hash, MAX_K, RADII};
+use caustic_photon_map::{Hash, MAX_K, RADII, most_entries};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_SIDE;
 use caustic_renderer::{Integrator, PhotonFile, RenderError, Settings, Show};
@@ -119,8 +119,9 @@ impl Survey {
         }
         small.automatic_radius = false;
         // Cells that are as wide beside a disc: the full tables' limit, of cells as many times wider along three axes.
-        let most = settings.table.map_or(MAX_CELLS, f64::from);
-        let cells = |shrunk: f64| Some((most / shrunk.powf(1.5)).clamp(1.0, MAX_CELLS) as u32);
+        let photons = u64::from(settings.photons.max(settings.caustic_photons));
+        let most = f64::from(settings.table.unwrap_or(most_entries(photons)));
+        let cells = |shrunk: f64| Some((most / shrunk.powf(1.5)).clamp(1.0, most) as u32);
         let scatters = settings.hash != Hash::Auto && settings.hash != Hash::Linear;
         small.table = if scatters { settings.table } else { cells(shrunk) };
         let tiny = {
@@ -153,9 +154,6 @@ impl Survey {
         Ok(conclude(&few, &pilots, &single, many.as_ref(), [&tiny, &small], discs, positions))
     }
 }
-
-/// Most entries of a linear table: `photon-map` makes cells wider rather than have more.
-const MAX_CELLS: f64 = 16_777_216.0;
 
 /// Where the first photons of each map lie.
 fn positions(

@@ -210,6 +210,13 @@ pub fn points(scene: &Scene, quick: bool, show: Show, gpu: bool) -> Vec<Point> {
     if show != Show::Beauty {
         points.retain(|point| point.settings.validate().is_ok());
     }
+    // A final gather leaves out what it sees of the lights, which the whole map has; and neither it nor keys are for caustics.
+    let idle: &[&str] = match show {
+        Show::MapGlobal => &["final gather"],
+        Show::Caustic | Show::MapCaustic => &["final gather", "interpolation"],
+        _ => &[],
+    };
+    points.retain(|point| !idle.contains(&point.knob));
     if gpu {
         points.push(Point { knob: "precision", value: "fast".to_string(), settings: base, precision: Precision::Fast });
     }
