@@ -33,4 +33,4 @@ pub use map::{Estimate, Filter, Neighbours, PhotonMap, Seen, Surface, query_coun
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use seen::SeenCells;
 pub use sort::{RadixSort, scan};
-pub use streamed::NearestStreamed;
+pub use streamed::{DensityStreamed, LargestPower, NearestStreamed};

@@ -70,8 +70,20 @@ impl PhotonMap {
         device: &Device,
         plan: &mut Plan,
         unsorted: &Buffer,
+        grid: Grid,
+        rows: &[Row],
+    ) -> Result<Self, MapError> {
+        Self::plan_below(device, plan, unsorted, grid, rows, None)
+    }
+
+    /// [`PhotonMap::plan_with_rows`] with powers aligned to `largest`, as bits, instead of the largest of these photons.
+    fn plan_below(
+        device: &Device,
+        plan: &mut Plan,
+        unsorted: &Buffer,
         mut grid: Grid,
         rows: &[Row],
+        largest: Option<[u32; 3]>,
     ) -> Result<Self, MapError> {
         grid.rows = rows.len() as u32;
         let count = grid.photons;
@@ -86,6 +98,10 @@ impl PhotonMap {
         let power = device.scratch::<u32>("map: power", 3)?;
         let entries = (grid.table + 1).div_ceil(BEGINS_BLOCK);
         plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
+        let power = match largest {
+            Some(largest) => device.upload("map: power", &largest)?,
+            None => power,
+        };
         let sites = device.scratch::<Site>("map: sites", u64::from(count))?;
         let arrivals = device.scratch::<Arrival>("map: arrivals", u64::from(count))?;
         plan.each(Kernel::ReorderPhotons, count, &[&grid_buffer, &sorted.order, unsorted, &power, &sites, &arrivals]);
@@ -97,6 +113,16 @@ impl PhotonMap {
     /// # Errors
     /// All of [`MapError`] but those of queries.
     pub fn build(device: &Device, photons: &[Photon], options: &MapOptions) -> Result<Self, MapError> {
+        Self::build_below(device, photons, options, None)
+    }
+
+    /// [`PhotonMap::build`] with powers aligned to `largest`, as bits, instead of the largest of these photons.
+    pub(crate) fn build_below(
+        device: &Device,
+        photons: &[Photon],
+        options: &MapOptions,
+        largest: Option<[u32; 3]>,
+    ) -> Result<Self, MapError> {
         let (low, high) = bounds("photons", photons.iter().map(|photon| photon.position))?;
         let bad = |photon: &&Photon| !photon.power.iter().all(|power| power.is_finite() && *power >= 0.0);
         if let Some(first) = photons.iter().position(|photon| bad(&photon)) {
@@ -106,7 +132,7 @@ impl PhotonMap {
         let grid = plan_grid(low, high, photons.len() as u64, &sample, options)?;
         let unsorted = device.upload("photons", photons)?;
         let mut plan = Plan::new();
-        let map = Self::plan(device, &mut plan, &unsorted, grid)?;
+        let map = Self::plan_below(device, &mut plan, &unsorted, grid, &rows(&grid), largest)?;
         device.run(&plan)?;
         Ok(map)
     }
@@ -183,6 +209,24 @@ impl PhotonMap {
         let linear = self.grid.hash == HASH_LINEAR;
         let kernel = if linear { Kernel::IrradianceDensity } else { Kernel::IrradianceDensityHashed };
         plan.each(kernel, count, &self.estimate_buffers(&search, queries, out));
+        Ok(())
+    }
+
+    /// Appends to a plan that the power of all photons within the map's radius of `count` queries is added to `sums`, records of
+    /// [`PowerSum`](caustic_kernels::layout::PowerSum).
+    pub(crate) fn plan_power(
+        &self,
+        device: &Device,
+        plan: &mut Plan,
+        queries: &Buffer,
+        count: u32,
+        sums: &Buffer,
+    ) -> Result<(), MapError> {
+        let search = self.plan_search(device, plan, queries, count, 0, 1)?;
+        let kernel = if self.grid.hash == HASH_LINEAR { Kernel::PowerWithin } else { Kernel::PowerWithinHashed };
+        let [params, grid, rows, queries, order, sites, arrivals, begins, ..] =
+            self.estimate_buffers(&search, queries, sums);
+        plan.each(kernel, count, &[params, grid, rows, queries, order, sites, arrivals, begins, sums]);
         Ok(())
     }
 
