@@ -10,6 +10,8 @@ use caustic_photon_map::{
 use caustic_tests::gpu;
 use caustic_tests::points::{photons_at, query, uniform};
 use caustic_tests::program::*;
+use serde_json::Value;
+use tempfile::TempDir;
 
 /// Photons, many of them at the same distance and in all chunks, and queries, one of which finds nothing.
 fn photons_and_queries() -> (Vec<Photon>, Vec<Query>) {
@@ -175,4 +177,55 @@ fn a_map_of_chunks_stays_within_its_memory() {
     refused(&folder, &[&map[..], &["10"]].concat(), &["--memory", "512MB or 2GiB"]);
     std::fs::write(folder.path().join("points.txt"), "0 0 0").expect("a file");
     refused(&folder, &["map", "--photons", "points.txt", "--memory", "1GB"], &["--memory", "synthetic"]);
+}
+
+/// What the program says of a map, after it found brute force's results.
+fn told(folder: &TempDir, photons: &str, more: &[&str]) -> Value {
+    let map = ["map", "--photons", photons, "--queries", "2000", "--k", "20", "--device", "cpu", "--json"];
+    let told = json(&succeeds(folder, &[&map[..], more].concat()).stdout);
+    assert_eq!(told["queries_that_differ_from_brute_force"].as_u64(), Some(0));
+    assert!(told["checked_queries"].as_u64() >= Some(8));
+    told
+}
+
+#[test]
+fn the_density_of_chunks_is_that_of_one_map() {
+    let folder = folder();
+    let density = |more: &[&str]| told(&folder, "clustered:600000", &[&["--estimate", "density"], more].concat());
+    let whole = density(&["--repeat", "1"]);
+    let chunks = density(&["--memory", "450MB"]);
+    assert!(chunks["chunks"].as_u64() > Some(1) && chunks["peak_bytes"].as_u64() <= Some(450_000_000), "{chunks}");
+    assert!(whole["irradiance_sha256"].is_string());
+    assert_eq!(whole["irradiance_sha256"], chunks["irradiance_sha256"]);
+    // It is the photons that are hashed: another radius finds others.
+    let wider = density(&["--memory", "450MB", "--radius", "0.02"]);
+    assert_ne!(whole["irradiance_sha256"], wider["irradiance_sha256"]);
+}
+
+#[test]
+fn a_saved_map_is_searched_in_chunks() {
+    let folder = folder();
+    let photons = ["photons", "cornell", "-o", "a.caustic", "--device", "cpu", "--quiet"];
+    succeeds(&folder, &[&photons[..], &["--photons", "150000", "--caustic-photons", "50000"]].concat());
+    let density = |more: &[&str]| told(&folder, "a.caustic", &[&["--estimate", "density"], more].concat());
+    let (whole, chunks) = (density(&["--repeat", "1"]), density(&["--memory", "440MB"]));
+    assert!(chunks["chunks"].as_u64() > Some(1), "{chunks}");
+    for same in ["photons", "radius", "irradiance_sha256"] {
+        assert_eq!(whole[same], chunks[same]);
+    }
+    assert!(told(&folder, "a.caustic", &["--memory", "440MB"])["chunks"].as_u64() > Some(1));
+
+    let path = folder.path().join("a.caustic");
+    let bytes = std::fs::read(&path).expect("a file");
+    let with = |bytes: &[u8], words: &[&str]| {
+        std::fs::write(&path, bytes).expect("a file");
+        refused(&folder, &["map", "--photons", "a.caustic", "--memory", "440MB"], words);
+    };
+    with(&bytes[..bytes.len() / 2], &["a.caustic", "damaged", "bytes and not", "copy it again"]);
+    with(&bytes[..12], &["a.caustic", "damaged", "it ends early"]);
+    with(b"no photons", &["a.caustic", "is not a photon map", "caustic photons"]);
+    let mut changed = bytes.clone();
+    changed[bytes.len() / 2] ^= 1;
+    with(&changed, &["a.caustic", "damaged", "checksum"]);
+    refused(&folder, &["map", "--photons", "none.caustic", "--memory", "440MB"], &["none.caustic", "cannot read"]);
 }

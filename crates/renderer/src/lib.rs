@@ -42,7 +42,7 @@ pub use footprint::{ExpectedMap, peak_bytes};
 pub use ledger::LightLedger;
 pub use parts::{MergeError, Merged, merge, write_part};
 pub use passes::{View, trace_photons};
-pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError};
+pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError, SavedPhotons};
 pub use render::{Given, Rendered, render, render_across, render_on};
 pub use report::{MapReport, Progress, RenderReport};
 pub use settings::{DEFAULT_PASSES, Integrator, Keep, MAX_FINAL_GATHER, MAX_PASSES, MAX_PIXELS, Settings, Show, Stop};
