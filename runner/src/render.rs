@@ -143,7 +143,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
             return Err(Failure::interrupted_before_image());
         }
         let passes = settings.passes().unwrap_or_default();
-        let about = About { part, passes, layers: asked, metadata: metadata.clone() };
+        let about = About { part, merged: Vec::new(), passes, layers: asked, metadata: metadata.clone() };
         write_part(output, scene, settings, exact, &about, &rendered.state).map_err(Failure::machine)?;
     } else {
         if arguments.denoise {
