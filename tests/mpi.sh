@@ -36,6 +36,7 @@ until [ -s state ]; do sleep 0.01; done
 kill -KILL "$(pgrep -n -P $job)"
 if wait $job; then echo "a killed rank was not noticed"; exit 1; fi
 grep -q "signal 9 (Killed)" errors
+test "$(grep -c '^error: rank 0 was told to stop.* checkpoint state holds .* with --resume goes on' errors)" = 1
 test ! -e killed.exr || { cmp -s one.exr killed.exr && echo "the render was over before a rank was killed" && exit 1; }
 "${launch[@]}" 2 "${render[@]}" --passes 40 --aov albedo --checkpoint state --resume -o killed.exr
 same one.exr killed.exr

@@ -16,7 +16,7 @@ pub use bench::BenchArguments;
 pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
 pub use integrator::{IntegratorArguments, RadiusArgument};
-pub use map::MapArguments;
+pub use map::{EstimateArgument, MapArguments};
 pub use merge::MergeArguments;
 pub use photons::{DumpArgument, PhotonsArguments};
 pub use picture::{DisplayArguments, LayerArgument, TonemapArguments, layers};

@@ -3,10 +3,13 @@
 use crate::Failure;
 use crate::args::{LayerArgument, MergeArguments, layers};
 use caustic_renderer::output::{self, Extras, Format, OutputError};
-use caustic_renderer::{MergeError, merge};
+use caustic_renderer::{MergeError, join, merge};
 
-/// Merges the parts of a render and writes the image.
+/// Merges the parts of a render and writes the image, or a part.
 pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
+    if arguments.output.extension().is_some_and(|ending| ending == "caustic") {
+        return part(arguments);
+    }
     output::check_path(&arguments.output).map_err(Failure::input)?;
     let display = arguments.display.of(&arguments.output).map_err(Failure::input)?;
     let asked = layers(&arguments.aov);
@@ -15,10 +18,7 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         let path = arguments.output.clone();
         return Err(Failure::input(OutputError::NoLayers { path, layer: layer.name() }));
     }
-    let merged = merge(&arguments.parts).map_err(|error| match error {
-        MergeError::Read { .. } => Failure::machine(error),
-        _ => Failure::input(error),
-    })?;
+    let merged = merge(&arguments.parts).map_err(failure)?;
     let kinds = if arguments.aov.is_empty() || arguments.aov.contains(&LayerArgument::All) {
         merged.layers.clone()
     } else {
@@ -42,4 +42,30 @@ pub fn run(arguments: &MergeArguments) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// Merges parts into one.
+fn part(arguments: &MergeArguments) -> Result<(), Failure> {
+    let MergeArguments { parts, output, display, .. } = arguments;
+    if !arguments.aov.is_empty() || display.exposure.is_some() || display.tone_map.is_some() {
+        return Err(Failure::input(format!(
+            "{} is a part and no picture yet: give --aov, --exposure and --tone-map where the picture is merged",
+            output.display()
+        )));
+    }
+    output::check_place(output).map_err(Failure::input)?;
+    let joined = join(parts).map_err(failure)?;
+    joined.write(output).map_err(Failure::machine)?;
+    if !arguments.quiet {
+        eprintln!("parts: {}; wrote {}, which is a part itself", parts.len(), output.display());
+    }
+    Ok(())
+}
+
+/// Whether an error is the input's or the machine's fault.
+fn failure(error: MergeError) -> Failure {
+    match error {
+        MergeError::Read { .. } => Failure::machine(error),
+        _ => Failure::input(error),
+    }
 }

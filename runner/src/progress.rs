@@ -2,10 +2,19 @@
 
 use caustic_renderer::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Whether the user wants to stop. There is one flag, however many bars are shown after each other: only the first handler counts.
 static STOP: AtomicBool = AtomicBool::new(false);
+/// What to say at once when that is so.
+static LAST_WORDS: OnceLock<String> = OnceLock::new();
+
+/// Has `words` said as soon as the program is told to stop. Who tells it may not wait for what it would say at its end: Open MPI kills a second later.
+pub fn say_when_stopped(words: String) {
+    // There is one render a program.
+    let _ = LAST_WORDS.set(words);
+}
 
 /// Has Ctrl-C set the flag; the second one ends the program at once.
 fn stop_on_signal() {
@@ -13,6 +22,9 @@ fn stop_on_signal() {
     let _ = ctrlc::set_handler(|| {
         if STOP.swap(true, Relaxed) {
             std::process::exit(130);
+        }
+        if let Some(words) = LAST_WORDS.get() {
+            eprintln!("error: {words}");
         }
     });
 }

@@ -3,7 +3,7 @@
 use crate::Failure;
 use crate::args::{RadiusArgument, RenderArguments, layers};
 use crate::plan::{Planned, differs_between_machines};
-use crate::progress::Monitor;
+use crate::progress::{Monitor, say_when_stopped};
 use crate::ranks::Ranks;
 use caustic_device::{Device, Error as DeviceError, Precision};
 use caustic_photon_map::MapError;
@@ -34,12 +34,26 @@ pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
     if !root {
         return ranks.help(&job.scene, job.settings(), &job.devices[0], job.file.as_ref()).map_err(|e| failure(&e));
     }
+    say_when_stopped(when_a_rank_is_lost(arguments));
     let result = render(arguments, job, Some(&mut ranks));
     if let Err(failure) = result {
         failure.tell();
         ranks.abort(failure.code());
     }
     Ok(())
+}
+
+/// What the root says when MPI ends it, as it ends all when one is lost.
+fn when_a_rank_is_lost(arguments: &RenderArguments) -> String {
+    let kept = match &arguments.how.checkpoint {
+        Some(path) => format!(
+            "the checkpoint {} holds the passes that were finished, and the same command{} goes on from there, with any number of ranks",
+            path.display(),
+            if arguments.how.resume { "" } else { " with --resume" }
+        ),
+        None => "without --checkpoint FILE the next render begins anew".to_string(),
+    };
+    format!("rank 0 was told to stop, as all ranks are when one is lost; {kept}")
 }
 
 /// What a render needs, checked.
@@ -143,7 +157,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
             return Err(Failure::interrupted_before_image());
         }
         let passes = settings.passes().unwrap_or_default();
-        let about = About { part, passes, layers: asked, metadata: metadata.clone() };
+        let about = About { part, merged: Vec::new(), passes, layers: asked, metadata: metadata.clone() };
         write_part(output, scene, settings, exact, &about, &rendered.state).map_err(Failure::machine)?;
     } else {
         if arguments.denoise {

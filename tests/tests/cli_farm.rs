@@ -50,6 +50,31 @@ fn eight_parts_in_any_order_are_the_picture_of_one_process() {
 }
 
 #[test]
+fn parts_of_parts_are_the_picture_of_one_process() {
+    let folder = folder();
+    succeeds(&folder, &small("one.exr", &PROGRESSIVE));
+    let parts = parts(&folder, 7, &PROGRESSIVE);
+    let of = |parts: &[String], output: &str| {
+        let run = succeeds(&folder, &merge(parts, output));
+        assert!(run.stderr.contains("is a part itself"), "{run:?}");
+        output.to_string()
+    };
+    // A tree of three levels over parts that are in no order.
+    let (a, b) = (of(&parts[..2], "a.caustic"), of(&parts[2..5], "b.caustic"));
+    let ab = of(&[b.clone(), a.clone()], "ab.caustic");
+    assert_same_files(&folder, "ab.caustic", &of(&parts[..5], "five.caustic"));
+    let all = [parts[6].clone(), ab.clone(), parts[5].clone()];
+    succeeds(&folder, &merge(&all, "merged.exr"));
+    assert_same_files(&folder, "one.exr", "merged.exr");
+    // What a part was merged of counts: twice is refused, and what is missing is named.
+    refused(&folder, &merge(&[ab.clone(), parts[0].clone()], "a.exr"), &["holds already", "give each part once"]);
+    let missing: Vec<u32> = (1..=7).filter(|n| parts[5..].contains(&format!("part{n}of7.caustic"))).collect();
+    let named = format!("parts {}/7, {}/7 are not among the files", missing[0], missing[1]);
+    refused(&folder, &merge(std::slice::from_ref(&ab), "a.exr"), &["missing", &named]);
+    refused(&folder, &[&merge(&all, "all.caustic")[..], &["--aov", "normal"]].concat(), &["all.caustic", "--aov"]);
+}
+
+#[test]
 fn one_pass_is_split_into_tiles() {
     let folder = folder();
     succeeds(&folder, &small("one.exr", &["--quiet"]));

@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 use caustic_kernels::gather::{Compact, EstimateParams, GatherParams, Reach};
 use caustic_kernels::grid::{Grid, Row};
-use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
+use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, PowerSum, Query, Site};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams};
 use caustic_kernels::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use caustic_kernels::rivals::{BruteParams, SearchParams};
@@ -37,6 +37,7 @@ records! {
     Query: "fffu",
     Neighbour: "fu",
     Irradiance: "fffu",
+    PowerSum: "uuuuuuuuuuuuu",
     Site: "uuuu",
     Arrival: "uuuuuuuuuuuu",
     Compact: "uuuu",

@@ -162,6 +162,22 @@ pub struct Irradiance {
     pub photons: u32,
 }
 
+/// The power of all photons that a query has found so far, in the limbs of [`Limbs`](crate::num::Limbs).
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+pub struct PowerSum {
+    /// The highest limb of each of red, green and blue.
+    pub high: [u32; 3],
+    /// The middle limbs.
+    pub middle: [u32; 3],
+    /// The lowest limbs.
+    pub low: [u32; 3],
+    /// What has left the highest limbs.
+    pub above: [u32; 3],
+    /// How many photons, or [`CUT_SHORT`](crate::gather::CUT_SHORT).
+    pub photons: u32,
+}
+
 const _: () = {
     assert!(size_of::<Photon>() == 32);
     assert!(size_of::<Site>() == 16);
@@ -169,4 +185,5 @@ const _: () = {
     assert!(size_of::<Query>() == 16);
     assert!(size_of::<Neighbour>() == 8);
     assert!(size_of::<Irradiance>() == 16);
+    assert!(size_of::<PowerSum>() == 52);
 };

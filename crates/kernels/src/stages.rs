@@ -115,6 +115,14 @@ macro_rules! stages {
                 0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
                 5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 power: In u32, 9 irradiance: Out Irradiance
             ) = gather::gather_density[false, _];
+            each PowerWithin = power_within [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 sums: InOut PowerSum
+            ) = gather::gather_power[true, _];
+            each PowerWithinHashed = power_within_hashed [64] (
+                0 params: One GatherParams, 1 grid: One Grid, 2 rows: In Row, 3 queries: In Query, 4 query_order: In u32,
+                5 sites: In Site, 6 arrivals: In Arrival, 7 begins: In u32, 8 sums: InOut PowerSum
+            ) = gather::gather_power[false, _];
             each FaceArrivals = face_arrivals [256] (
                 0 grid: One Grid, 1 primitives: In Primitive, 2 sites: In Site, 3 arrivals: InOut Arrival
             ) = gather::face_arrivals;
@@ -422,7 +430,7 @@ macro_rules! stages {
             ) = probe::copy_quads;
             each LayoutMap = layout_map [64] (
                 0 photons: In Photon, 1 queries: In Query, 2 neighbours: In Neighbour, 3 irradiance: In Irradiance,
-                4 words: Out u32
+                4 sums: In PowerSum, 5 words: Out u32
             ) = probe::layout_map;
             each LayoutGrid = layout_grid [64] (
                 0 grid: In Grid, 1 rows: In Row, 2 gather: In GatherParams, 3 estimate: In EstimateParams,

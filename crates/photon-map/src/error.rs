@@ -40,6 +40,18 @@ pub enum MapError {
         /// Index of the first.
         first: usize,
     },
+    /// A photon of a chunk is more powerful than was said of all.
+    #[error(
+        "the photon at index {index} of a chunk has the power {power:?} W, but {largest:?} W was said to be the largest; look at all photons before the first chunk"
+    )]
+    AboveLargest {
+        /// Index of the first in its chunk.
+        index: usize,
+        /// Its power, W.
+        power: [f32; 3],
+        /// What was given, W.
+        largest: [f32; 3],
+    },
     /// The box of the photons is too large for differences of coordinates to be finite.
     #[error("the photons span {extent:e} m along an axis but at most {max:e} are possible; remove those far away")]
     Extent {

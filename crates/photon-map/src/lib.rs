@@ -33,4 +33,4 @@ pub use map::{Estimate, Filter, Nearest, Neighbours, PhotonMap, Seen, Surface, q
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use seen::SeenCells;
 pub use sort::{RadixSort, scan};
-pub use streamed::NearestStreamed;
+pub use streamed::{DensityStreamed, LargestPower, NearestStreamed};

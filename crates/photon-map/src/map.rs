@@ -1,5 +1,6 @@
 //! The photon map: its construction and its search, as plans or at once.
 
+mod density;
 mod estimate;
 
 pub use estimate::{Estimate, Filter, Nearest, Seen, Surface};
@@ -8,7 +9,7 @@ use crate::grid::{MAX_PHOTONS, bounds, plan_grid, rows};
 use crate::options::{irradiance_kernel, neighbours_kernel};
 use crate::{Gather, MAX_K, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
-use caustic_kernels::gather::{CUT_SHORT, Compact, GatherParams, Placed, Reach};
+use caustic_kernels::gather::{CUT_SHORT, Compact, GatherParams, Placed};
 use caustic_kernels::grid::{BEGINS_BLOCK, GRID_BLOCK, Grid, HASH_LINEAR, Row};
 use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 
@@ -53,6 +54,16 @@ impl Neighbours {
     }
 }
 
+/// What a map keeps of its photons.
+enum Records {
+    /// All of it, with powers aligned to the largest.
+    Whole,
+    /// The same, with powers aligned to these, as bits: none is larger.
+    Below([u32; 3]),
+    /// What 16 bytes hold.
+    Compact,
+}
+
 impl PhotonMap {
     /// Appends the construction of a map over the photons in `unsorted` to a plan: hash, sort, begins, reorder. The map can be
     /// used by the stages that follow.
@@ -71,7 +82,7 @@ impl PhotonMap {
     pub fn plan_compact(device: &Device, plan: &mut Plan, unsorted: &Buffer, grid: Grid) -> Result<Self, MapError> {
         let grid_buffer = device.upload("map: grid of steps", &[grid])?;
         plan.each(Kernel::SnapPhotons, grid.photons, &[&grid_buffer, unsorted]);
-        Self::plan_records(device, plan, unsorted, grid, &rows(&grid), true)
+        Self::plan_records(device, plan, unsorted, grid, &rows(&grid), Records::Compact)
     }
 
     /// [`PhotonMap::plan`] with rows of cells of the caller's, for the measurement of others than [`rows`]. A search ends at the first
@@ -86,7 +97,7 @@ impl PhotonMap {
         grid: Grid,
         rows: &[Row],
     ) -> Result<Self, MapError> {
-        Self::plan_records(device, plan, unsorted, grid, rows, false)
+        Self::plan_records(device, plan, unsorted, grid, rows, Records::Whole)
     }
 
     fn plan_records(
@@ -95,7 +106,7 @@ impl PhotonMap {
         unsorted: &Buffer,
         mut grid: Grid,
         rows: &[Row],
-        compact: bool,
+        records: Records,
     ) -> Result<Self, MapError> {
         grid.rows = rows.len() as u32;
         let count = grid.photons;
@@ -110,6 +121,12 @@ impl PhotonMap {
         let power = device.scratch::<u32>("map: power", 3)?;
         let entries = (grid.table + 1).div_ceil(BEGINS_BLOCK);
         plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
+        // What `power` was before is dropped: the stage above has written it, and nobody reads it.
+        let power = match records {
+            Records::Below(largest) => device.upload("map: power", &largest)?,
+            _ => power,
+        };
+        let compact = matches!(records, Records::Compact);
         let whole = u64::from(if compact { 0 } else { count });
         let sites = device.scratch::<Site>("map: sites", whole)?;
         let arrivals = device.scratch::<Arrival>("map: arrivals", whole)?;
@@ -138,6 +155,18 @@ impl PhotonMap {
     /// All of [`MapError`] but those of queries.
     pub fn build_compact(device: &Device, photons: &[Photon], options: &MapOptions) -> Result<Self, MapError> {
         Self::build_with(device, photons, options, Self::plan_compact)
+    }
+
+    /// [`PhotonMap::build`] with powers aligned to `largest`, as bits, instead of the largest of these photons.
+    pub(crate) fn build_below(
+        device: &Device,
+        photons: &[Photon],
+        options: &MapOptions,
+        largest: [u32; 3],
+    ) -> Result<Self, MapError> {
+        Self::build_with(device, photons, options, |device, plan, unsorted, grid| {
+            Self::plan_records(device, plan, unsorted, grid, &rows(&grid), Records::Below(largest))
+        })
     }
 
     fn build_with(
@@ -227,29 +256,6 @@ impl PhotonMap {
         Ok(())
     }
 
-    /// Appends the estimate of `count` queries from all photons within the map's radius to a plan, into records of
-    /// [`Irradiance`].
-    ///
-    /// # Errors
-    /// [`MapError::Device`].
-    pub fn plan_density(
-        &self,
-        device: &Device,
-        plan: &mut Plan,
-        queries: &Buffer,
-        count: u32,
-        out: &Buffer,
-    ) -> Result<(), MapError> {
-        if let Some(records) = &self.compact {
-            return self.append_compact(device, plan, records, queries, count, &Estimate::default(), out);
-        }
-        let search = self.plan_search(device, plan, queries, count, 0, 1)?;
-        let linear = self.grid.hash == HASH_LINEAR;
-        let kernel = if linear { Kernel::IrradianceDensity } else { Kernel::IrradianceDensityHashed };
-        plan.each(kernel, count, &self.estimate_buffers(&search, queries, out));
-        Ok(())
-    }
-
     /// Appends the search for the `k` nearest photons of `count` queries to a plan.
     ///
     /// # Errors
@@ -321,37 +327,6 @@ impl PhotonMap {
         estimates(device, queries, |plan, query_buffer, count, out| {
             self.plan_irradiance(device, plan, query_buffer, count, k, gather, out)
         })
-    }
-
-    /// The irradiance at each query, estimated from all photons within the map's radius.
-    ///
-    /// # Errors
-    /// [`MapError::NotFinite`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
-    pub fn density(&self, device: &Device, queries: &[Query]) -> Result<Vec<Irradiance>, MapError> {
-        estimates(device, queries, |plan, query_buffer, count, out| {
-            self.plan_density(device, plan, query_buffer, count, out)
-        })
-    }
-
-    /// How far the `k` nearest photons of each query reach, or are taken to reach.
-    ///
-    /// # Errors
-    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
-    pub fn reaches(
-        &self,
-        device: &Device,
-        queries: &[Query],
-        k: u32,
-        nearest: Nearest,
-    ) -> Result<Vec<Reach>, MapError> {
-        let count = query_count(queries)?;
-        let query_buffer = device.upload("queries", queries)?;
-        let mut plan = Plan::new();
-        let reaches = self.plan_reaches(device, &mut plan, &query_buffer, count, k, nearest)?;
-        device.run(&plan)?;
-        let reaches: Vec<Reach> = device.read(&reaches, u64::from(count))?;
-        whole(device, reaches.iter().map(|reach| reach.photons))?;
-        Ok(reaches)
     }
 
     /// The `k` nearest photons of each query within the map's radius, nearest first, ties by index.

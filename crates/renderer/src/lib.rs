@@ -41,9 +41,9 @@ pub use error::RenderError;
 pub use feature::{Decision, Feature, decide};
 pub use footprint::{ExpectedMap, peak_bytes};
 pub use ledger::LightLedger;
-pub use parts::{MergeError, Merged, merge, write_part};
+pub use parts::{Joined, MergeError, Merged, join, merge, write_part};
 pub use passes::{View, trace_photons};
-pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError};
+pub use photon_file::{Header, MapHeader, PhotonFile, PhotonFileError, SavedPhotons};
 pub use render::{Given, Rendered, render, render_across, render_on};
 pub use report::{MapReport, Progress, RenderReport};
 pub use settings::{

@@ -131,11 +131,42 @@ impl Merged {
 /// # Errors
 /// If a file cannot be used, two do not belong together or hold the same, or something is missing.
 pub fn merge(paths: &[PathBuf]) -> Result<Merged, MergeError> {
+    let Joined { about, state, .. } = join(paths)?;
+    let missing = state.missing(about.passes);
+    if !missing.is_empty() {
+        return Err(lack(&missing, &about.parts()));
+    }
+    Ok(Merged { state, layers: about.layers, metadata: about.metadata })
+}
+
+/// Parts that were merged and may be parts of more.
+pub struct Joined {
+    identity: Vec<(String, String)>,
+    about: About,
+    state: ProgressState,
+}
+
+impl Joined {
+    /// Writes a part that has all that these had. Passes are added up in the order of their numbers, so that the picture has the same bits as if
+    /// all parts were merged at once.
+    ///
+    /// # Errors
+    /// If the disk fails.
+    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+        place::replace(path, &state_file::encode(&self.identity, Some(&self.about), &self.state))
+    }
+}
+
+/// Merges the parts in these files, which may come in any order and need not be all.
+///
+/// # Errors
+/// If a file cannot be used, or two do not belong together or hold the same.
+pub fn join(paths: &[PathBuf]) -> Result<Joined, MergeError> {
     let mut merged: Option<(Header, About, ProgressState)> = None;
     let mut parts = Vec::new();
     for path in paths {
         let (header, about, state) = read(path)?;
-        parts.push(about.part);
+        parts.extend(about.parts());
         let Some((first, first_about, sum)) = &mut merged else {
             merged = Some((header, about, state));
             continue;
@@ -149,12 +180,18 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged, MergeError> {
             return Err(MergeError::Duplicate { path, part, pass: unit.pass, pixel: unit.first_pixel });
         }
     }
-    let Some((_, about, state)) = merged else { return Err(MergeError::Nothing) };
-    let missing = state.missing(about.passes);
-    if !missing.is_empty() {
-        return Err(lack(&missing, &parts));
+    let Some((header, about, state)) = merged else { return Err(MergeError::Nothing) };
+    // In order, so that the file does not depend on that of its parts.
+    parts.sort_by_key(|part| (part.of, part.number));
+    let about = About { part: parts[0], merged: parts.split_off(1), ..about };
+    Ok(Joined { identity: header.identity, about, state })
+}
+
+impl About {
+    /// Every part that this one has.
+    fn parts(&self) -> Vec<Part> {
+        std::iter::once(self.part).chain(self.merged.iter().copied()).collect()
     }
-    Ok(Merged { state, layers: about.layers, metadata: about.metadata })
 }
 
 fn read(path: &Path) -> Result<(Header, About, ProgressState), MergeError> {

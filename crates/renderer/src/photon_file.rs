@@ -9,10 +9,13 @@
 mod dump;
 mod error;
 mod record;
+mod saved;
 #[cfg(test)]
 mod tests;
+mod window;
 
 pub use error::PhotonFileError;
+pub use saved::SavedPhotons;
 
 use crate::buffers::SceneBuffers;
 use crate::photons::{PassKind, trace};
@@ -136,7 +139,15 @@ impl PhotonFile {
     /// # Errors
     /// All of [`PhotonFileError`] but [`PhotonFileError::Write`] and [`PhotonFileError::OtherScene`].
     pub fn read(path: &Path) -> Result<Self, PhotonFileError> {
-        record::read(path)
+        let saved = SavedPhotons::open(path)?;
+        let mut photons = Vec::new();
+        let mut begin = 0;
+        for map in &saved.header().maps {
+            let end = begin + u64::from(map.stored);
+            photons.push(saved.read(begin..end)?);
+            begin = end;
+        }
+        Ok(Self { source: saved.name().to_string(), header: saved.header().clone(), photons })
     }
 
     /// Whether a file begins as photon files do.

@@ -36,6 +36,9 @@ pub(crate) struct Header {
 pub struct About {
     /// Which part.
     pub part: Part,
+    /// Parts that were merged into it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub merged: Vec<Part>,
     /// Passes of the picture.
     pub passes: u32,
     /// Layers of the picture.

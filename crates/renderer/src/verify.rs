@@ -8,7 +8,9 @@ use caustic_device::{Buffer, Device, Difference, FirstDifference, Kernel, Plan, 
 use caustic_kernels::layout::{Photon, Query, Site};
 use caustic_kernels::num::{pcg4d, u32_to_unit};
 use caustic_kernels::probe::{Arithmetic, ArithmeticParams, LAYOUT_WORDS, LAYOUTS};
-use caustic_photon_map::{Filter, Gather, Hash, MapOptions, Nearest, PhotonMap, RadixSort, Surface};
+use caustic_photon_map::{
+    DensityStreamed, Filter, Gather, Hash, LargestPower, MapOptions, Nearest, PhotonMap, RadixSort, Surface,
+};
 use caustic_rivals::{Photons, Technique};
 use serde::Serialize;
 
@@ -270,7 +272,8 @@ fn photons_and_queries(seed: u32, of: u32, photons: u32) -> (Vec<Photon>, Vec<Qu
 /// Builds a map and searches it in every way.
 fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
     let (photons, queries) = photons_and_queries(seed, hash.code(), PHOTONS);
-    let map = PhotonMap::build(twin, &photons, &MapOptions { radius: 0.28, hash, table: None, cell: None })?;
+    let options = MapOptions { radius: 0.28, hash, table: None, cell: None };
+    let map = PhotonMap::build(twin, &photons, &options)?;
     for k in KS {
         for gather in [Gather::Histogram, Gather::Heap, Gather::List] {
             map.irradiance(twin, &queries, k, gather)?;
@@ -278,6 +281,12 @@ fn map(twin: &Device, hash: Hash, seed: u32) -> Result<(), RenderError> {
         }
     }
     map.density(twin, &queries)?;
+    let mut largest = LargestPower::default();
+    largest.see(&photons);
+    let mut streamed = DensityStreamed::new(twin, &queries, largest, &options)?;
+    for chunk in photons.chunks(photons.len() / 2 + 1) {
+        streamed.add(chunk)?;
+    }
     Ok(())
 }
 
@@ -324,6 +333,6 @@ mod tests {
             }
             assert!(at <= LAYOUT_WORDS as usize, "{}: no room for all words", kernel.entry_point());
         }
-        assert_eq!(records, 40);
+        assert_eq!(records, 41);
     }
 }

@@ -1,4 +1,4 @@
-//! SPIR-V that reaches the driver word for word: the one module of caustic that needs `unsafe`.
+//! SPIR-V that reaches the driver word for word: with `photon_file/window.rs` of the renderer, all of caustic that needs `unsafe`.
 //!
 //! wgpu does not look into a module that it passes through, so it cannot promise that the module is sound, and asks its user
 //! to. What stands for that promise: `cargo xtask shaders` validates every module with `spirv-val`; its entry point, workgroup

@@ -26,7 +26,7 @@ pub(crate) use bins::{BINS, bin_of, clear, count};
 pub use bins::{COLUMN_LANES, Columns};
 pub use compact::{Compact, gather_compact, reorder_compact, snap, snap_photons};
 pub use counting::gather_irradiance_by_counting;
-pub use density::gather_density;
+pub use density::{density_of, gather_density, gather_power};
 pub(crate) use estimate::over_disc;
 pub use estimate::{gather_irradiance, gather_neighbours};
 pub use filter::{FILTER_CONE, FILTER_CONSTANT, FILTER_EPANECHNIKOV, FILTER_GAUSSIAN, filter_integral, filter_weight};

@@ -18,6 +18,18 @@ impl Power {
         Self { high: [0; 3], middle: [0; 3], low: [0; 3] }
     }
 
+    /// Sums whose limbs are given, of red, green and blue each.
+    #[inline]
+    pub(super) fn of_limbs(high: [u32; 3], middle: [u32; 3], low: [u32; 3]) -> Self {
+        Self { high, middle, low }
+    }
+
+    /// The limbs of red, green and blue, the highest first.
+    #[inline]
+    pub(super) fn limbs(&self) -> [[u32; 3]; 3] {
+        [self.high, self.middle, self.low]
+    }
+
     /// Adds a photon's power: at most [`MAX_TERMS`](crate::num::MAX_TERMS) of them.
     #[inline]
     pub(super) fn add(&mut self, arrival: Arrival) {

@@ -7,7 +7,7 @@
 use crate::exec::{Input, Store};
 use crate::gather::{EstimateParams, GatherParams, Reach};
 use crate::grid::{Grid, Row};
-use crate::layout::{Irradiance, Neighbour, Photon, Query};
+use crate::layout::{Irradiance, Neighbour, Photon, PowerSum, Query};
 use crate::rivals::kd::{KdLarge, KdLevel, KdRadius, KdSmall, KdSplit};
 use crate::rivals::{BruteParams, SearchParams};
 use crate::sort::{RadixPass, ScanParams};
@@ -96,7 +96,8 @@ layouts! {
         photons: Photon { position, direction, power, primitive },
         queries: Query { position, active },
         neighbours: Neighbour { distance2, photon },
-        irradiance: Irradiance { rgb, photons }
+        irradiance: Irradiance { rgb, photons },
+        sums: PowerSum { high, middle, low, above, photons }
     );
     /// Records of grids and searches.
     layout_grid(

@@ -1,6 +1,6 @@
 //! Estimates of any kind: filtered, of one surface, from the k nearest photons or from all within the radius.
 
-use super::{PhotonMap, estimates};
+use super::{PhotonMap, estimates, query_count, whole};
 use crate::{Gather, MAX_K, MapError};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{
@@ -132,6 +132,27 @@ impl PhotonMap {
     ) -> Result<Buffer, MapError> {
         let search = self.plan_search(device, plan, queries, count, known(k)?, k + 1)?;
         self.append_reaches(device, plan, queries, count, &search, nearest)
+    }
+
+    /// How far the `k` nearest photons of each query reach, or are taken to reach.
+    ///
+    /// # Errors
+    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
+    pub fn reaches(
+        &self,
+        device: &Device,
+        queries: &[Query],
+        k: u32,
+        nearest: Nearest,
+    ) -> Result<Vec<Reach>, MapError> {
+        let count = query_count(queries)?;
+        let query_buffer = device.upload("queries", queries)?;
+        let mut plan = Plan::new();
+        let reaches = self.plan_reaches(device, &mut plan, &query_buffer, count, k, nearest)?;
+        device.run(&plan)?;
+        let reaches: Vec<Reach> = device.read(&reaches, u64::from(count))?;
+        whole(device, reaches.iter().map(|reach| reach.photons))?;
+        Ok(reaches)
     }
 
     fn append_reaches(

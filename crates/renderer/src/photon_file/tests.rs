@@ -97,6 +97,33 @@ fn a_damaged_file_is_refused_wherever_it_is_damaged() {
     assert_eq!(PhotonFile::read(&path).unwrap().photons, file.photons);
 }
 
+/// More photons than a window has, in two maps: whichever are asked for come, as they were written.
+#[test]
+fn any_photons_of_a_saved_file_are_read_where_they_lie() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.caustic");
+    let mut file = traced("cornell");
+    let photon = |i: u32| Photon { position: [i as f32, 0.5, -1.0], power: [1.0, 2.0, i as f32], ..Photon::default() };
+    file.photons = vec![(0..700_000).map(photon).collect(), (700_000..1_100_000).map(photon).collect()];
+    for (header, photons) in file.header.maps.iter_mut().zip(&file.photons) {
+        header.stored = photons.len() as u32;
+    }
+    file.write(&path).unwrap();
+    let saved = SavedPhotons::open(&path).unwrap();
+    assert_eq!((saved.count(), saved.largest_power()), (1_100_000, [1.0, 2.0, 1_099_999.0]));
+    let per_window = window::WINDOW / 32;
+    assert!(saved.count() > 2 * per_window);
+    for range in [0..5, 0..1_100_000, per_window - 3..per_window + 3, 699_998..700_002, 1_099_999..1_200_000, 7..7] {
+        let expected: Vec<Photon> = (range.start as u32..(range.end as u32).min(1_100_000)).map(photon).collect();
+        assert!(saved.read(range.clone()).unwrap() == expected, "{range:?}");
+    }
+    assert!(PhotonFile::read(&path).unwrap().photons == file.photons);
+    // A file that becomes shorter after it was looked through is an error, not the end of the program.
+    fs::OpenOptions::new().write(true).open(&path).unwrap().set_len(20_000_000).unwrap();
+    assert!(matches!(saved.read(1_000_000..1_000_001), Err(PhotonFileError::Unreadable { .. })));
+    assert!(matches!(SavedPhotons::open(&path), Err(PhotonFileError::Damaged { .. })));
+}
+
 #[test]
 fn photons_that_are_no_numbers_are_refused_in_spite_of_a_checksum() {
     let folder = tempfile::tempdir().unwrap();
@@ -104,5 +131,6 @@ fn photons_that_are_no_numbers_are_refused_in_spite_of_a_checksum() {
     let mut file = traced("cornell");
     file.photons[0][7].power[1] = f32::NAN;
     file.write(&path).unwrap();
-    assert!(matches!(PhotonFile::read(&path), Err(PhotonFileError::Damaged { .. })));
+    let error = PhotonFile::read(&path).expect_err("a power is NaN");
+    assert!(matches!(&error, PhotonFileError::Damaged { reason, .. } if reason.contains("photon 7 ")), "{error}");
 }
