@@ -1,6 +1,7 @@
 //! What a render leaves out, and what is foreseen of it.
 
 use caustic_device::Device;
+use caustic_photon_map::{Nearest, Surface};
 use caustic_planner::{Budget, Costs, Given, Survey, choose, settle};
 use caustic_renderer::output::LayerKind;
 use caustic_renderer::scene::{BUILT_IN, Scene};
@@ -75,7 +76,13 @@ fn memory_is_foreseen_within_a_tenth() {
     for scene in BUILT_IN.iter().map(|scene| load(scene.name)) {
         let size = [96, 64];
         let settings = Settings { photons: 60_000, caustic_photons: 30_000, size, spp: 4, ..Settings::of(&scene) };
-        for settings in [Settings { layers: LayerKind::OF_PHOTON_MAPS.to_vec(), ..settings.clone() }, settings] {
+        let (surface, nearest) = (Surface::Own, Nearest::Approximate);
+        for settings in [
+            Settings { layers: LayerKind::OF_PHOTON_MAPS.to_vec(), ..settings.clone() },
+            Settings { surface, nearest, interpolate: 1, ..settings.clone() },
+            Settings { compact: true, interpolate: 4, final_gather: 2, ..settings.clone() },
+            settings,
+        ] {
             let device = Device::cpu();
             let report = run(&scene, &settings, &device).report;
             let maps = ["global", "caustic"].map(|name| {

@@ -73,6 +73,7 @@ pub fn peak_bytes(scene: &CompiledScene, settings: &Settings, maps: [ExpectedMap
         let search = 16.0 + if filtered { size::<Reach>() } else { 0.0 };
         each += size::<Irradiance>();
         each += if settings.layers.contains(&LayerKind::Radius) { 16.0 + size::<Reach>() } else { 0.0 };
+        each += if settings.layers.contains(&LayerKind::Bias) { search + size::<Irradiance>() } else { 0.0 };
         let point = if gathered > 0.0 {
             gathered * (search + size::<(Query, Vertex)>() + size::<Irradiance>())
         } else {

@@ -16,7 +16,7 @@ const SIZE: &str = "160x120";
 /// What the planner is asked for.
 const QUALITY: &str = "preview";
 /// Passes of the references, which converge.
-const PASSES: &str = "256";
+const PASSES: &str = "96";
 
 /// What to predict.
 #[derive(clap::Args)]
