@@ -16,7 +16,7 @@ const SIZE: &str = "160x120";
 /// What the planner is asked for.
 const QUALITY: &str = "preview";
 /// Passes of the references, which converge.
-const PASSES: &str = "96";
+const PASSES: &str = "64";
 
 /// What to predict.
 #[derive(clap::Args)]
@@ -84,7 +84,7 @@ fn measure(program: &Path, root: &Path, scene: &str, device: &str) -> Result<(St
     };
     let planned = render(&picture, &["--quality", QUALITY])?;
     let passes = ["--integrator", "progressive", "--surface", "own", "--seed", "7", "--passes", PASSES];
-    render(&reference, &[&passes[..], &["--photons", "100000", "--caustic-photons", "50000"]].concat())?;
+    render(&reference, &[&passes[..], &["--spp", "4", "--photons", "50000", "--caustic-photons", "50000"]].concat())?;
     let compared = report(program, &["compare", &picture, &reference, "--metric", "relmse", "--json"], root)?;
     let number = |value: &Value, path: &str| -> Result<f64> {
         value.pointer(path).and_then(Value::as_f64).with_context(|| format!("the report of {scene} has no {path}"))

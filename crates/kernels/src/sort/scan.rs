@@ -64,28 +64,35 @@ pub fn scan_rows<L: Lanes<ScanRegisters>, O: Store<u32> + ?Sized, T: Store<u32> 
     while chunk < end {
         lanes.each(shared, move |lane, r: &mut ScanRegisters, shared: &mut ScanShared| {
             let first = chunk + lane * LANE_ITEMS;
-            // All are on their way before the first is needed.
-            for_items!(LANE_ITEMS, item => {
-                let i = first + item;
-                let value = input[(if i < end { i } else { end - 1 }) as usize];
-                r.items[item as usize] = if i < end { value } else { 0 };
-            });
             r.sum = 0;
-            for_items!(LANE_ITEMS, item => { r.sum = r.sum.wrapping_add(r.items[item as usize]); });
+            if first < end {
+                // All are on their way before the first is needed.
+                for_items!(LANE_ITEMS, item => {
+                    let i = first + item;
+                    let value = input[(if i < end { i } else { end - 1 }) as usize];
+                    r.items[item as usize] = if i < end { value } else { 0 };
+                });
+                for_items!(LANE_ITEMS, item => { r.sum = r.sum.wrapping_add(r.items[item as usize]); });
+            }
             shared[lane as usize] = r.sum;
         });
-        inclusive_scan(lanes, shared);
+        // Of a short row few lanes have any.
+        let left = end - chunk;
+        let used = if left < SCAN_BLOCK { left.div_ceil(LANE_ITEMS) } else { SCAN_LANES };
+        let from = inclusive_scan(lanes, shared, used);
         let sums = &mut *sums;
         lanes.each(shared, move |lane, r: &mut ScanRegisters, shared: &mut ScanShared| {
-            let mut sum = shared[lane as usize].wrapping_sub(r.sum).wrapping_add(r.row);
+            let mut sum = shared[(from + lane) as usize].wrapping_sub(r.sum).wrapping_add(r.row);
             let first = chunk + lane * LANE_ITEMS;
-            for_items!(LANE_ITEMS, item => {
-                if first + item < end {
-                    sums.set(first + item, sum);
-                }
-                sum = sum.wrapping_add(r.items[item as usize]);
-            });
-            r.row = r.row.wrapping_add(shared[(SCAN_LANES - 1) as usize]);
+            if first < end {
+                for_items!(LANE_ITEMS, item => {
+                    if first + item < end {
+                        sums.set(first + item, sum);
+                    }
+                    sum = sum.wrapping_add(r.items[item as usize]);
+                });
+            }
+            r.row = r.row.wrapping_add(shared[(from + used - 1) as usize]);
         });
         chunk += SCAN_BLOCK;
     }
@@ -96,22 +103,25 @@ pub fn scan_rows<L: Lanes<ScanRegisters>, O: Store<u32> + ?Sized, T: Store<u32> 
     });
 }
 
-/// Inclusive prefix sums of `shared[0..256]` in place (Hillis and Steele 1986), using `shared[256..512]` as the other copy.
+/// Inclusive prefix sums of the first `used` of `shared[0..256]` (Hillis and Steele 1986), from one half of the memory into the other and back.
+/// Returns where they begin.
 #[inline]
-fn inclusive_scan<R, L: Lanes<R>>(lanes: &mut L, shared: &mut ScanShared) {
+fn inclusive_scan<R, L: Lanes<R>>(lanes: &mut L, shared: &mut ScanShared, used: u32) -> u32 {
     let mut from = 0;
     let mut step = 1;
-    // Eight steps, an even number: the result ends in the copy it began in.
-    while step < SCAN_LANES {
+    while step < used {
         let to = SCAN_LANES - from;
         lanes.each(shared, move |lane, _, shared: &mut ScanShared| {
-            let mut sum = shared[(from + lane) as usize];
-            if lane >= step {
-                sum = sum.wrapping_add(shared[(from + lane - step) as usize]);
+            if lane < used {
+                let mut sum = shared[(from + lane) as usize];
+                if lane >= step {
+                    sum = sum.wrapping_add(shared[(from + lane - step) as usize]);
+                }
+                shared[(to + lane) as usize] = sum;
             }
-            shared[(to + lane) as usize] = sum;
         });
         from = to;
         step *= 2;
     }
+    from
 }
