@@ -41,7 +41,7 @@ fn a_second_frame_allocates_nothing_and_does_not_depend_on_what_the_first_left()
         let (now, peak) = device.total_bytes();
         assert_eq!(now, 0, "{name}");
         let kept = device.kept_bytes();
-        assert!(kept > 0 && kept <= 2 * peak, "{name}: {kept} of {peak} bytes");
+        assert!(kept > 0 && kept <= peak + peak.max(64 << 20), "{name}: {kept} of {peak} bytes");
         assert!(device.comparisons().iter().all(|row| row.difference.is_none()), "{name}");
         // What is given back has to be had again.
         let allocations = device.allocations();

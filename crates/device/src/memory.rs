@@ -80,7 +80,7 @@ impl Device {
     }
 
     /// Gives the memory that dropped buffers left, and that the device keeps for the next ones, back to the system; returns how many
-    /// bytes. A device never holds more than twice what its buffers had at once.
+    /// bytes. A device never holds more than twice what its buffers had at once, or that and 64 MiB.
     pub fn trim(&self) -> u64 {
         let bytes = self.accounts.pool.empty();
         if let Some(gpu) = self.gpu_half() {

@@ -29,10 +29,18 @@ pub(crate) fn size_class(bytes: u64) -> u64 {
     bytes.checked_next_multiple_of(step).unwrap_or(bytes)
 }
 
-/// Memory that no buffer has at the moment. Together with what buffers have it is never more than twice what they had at once: what
-/// lies longest goes first.
-#[derive(Default)]
+/// What is kept in any case, bytes: a small frame's buffers are of so many sizes that twice what it has at once would not hold them all.
+const SPARE: u64 = 64 << 20;
+
+/// Memory that no buffer has at the moment. Together with what buffers have it is never more than twice what they had at once, or than that and
+/// [`SPARE`]: what lies longest goes first.
 pub(crate) struct Pool(Mutex<State>);
+
+impl Default for Pool {
+    fn default() -> Self {
+        Self::sparing(SPARE)
+    }
+}
 
 #[derive(Default)]
 struct State {
@@ -41,11 +49,12 @@ struct State {
     bytes: u64,
     in_use: u64,
     most_in_use: u64,
+    spare: u64,
 }
 
 impl State {
     fn limit(&mut self) {
-        while self.in_use + self.bytes > 2 * self.most_in_use {
+        while self.in_use + self.bytes > self.most_in_use + self.most_in_use.max(self.spare) {
             let Some(oldest) = self.kept.pop_front() else { break };
             self.bytes -= oldest.bytes;
         }
@@ -53,6 +62,10 @@ impl State {
 }
 
 impl Pool {
+    fn sparing(spare: u64) -> Self {
+        Self(Mutex::new(State { spare, ..State::default() }))
+    }
+
     fn state(&self) -> MutexGuard<'_, State> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -124,7 +137,7 @@ mod tests {
 
     #[test]
     fn all_is_never_more_than_twice_what_was_in_use_and_the_oldest_goes_first() {
-        let pool = Pool::default();
+        let pool = Pool::sparing(0);
         for bytes in [100, 60] {
             pool.lend(bytes);
         }
