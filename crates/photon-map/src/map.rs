@@ -228,7 +228,7 @@ impl PhotonMap {
     /// Bytes that the map takes on its device.
     #[must_use]
     pub fn bytes(&self) -> u64 {
-        self.buffers().into_iter().chain(&self.compact).map(|buffer| buffer.bytes()).sum()
+        self.buffers().into_iter().chain(&self.compact).map(Buffer::bytes).sum()
     }
 
     /// Appends the irradiance estimate of `count` queries from `k` photons each (eq. 2.1) to a plan. `out` gets a record of

@@ -286,8 +286,9 @@ mod tests {
 
     fn photon(i: u32, grid: &Grid) -> Photon {
         let random = pcg4d([i, 1, 2, 3]);
-        let along =
-            |axis: usize| grid.origin[axis] + (random[axis] as f64 / 4_294_967_296.0 * 2_097_150.0) as f32 * grid.step;
+        let along = |axis: usize| {
+            grid.origin[axis] + (f64::from(random[axis]) / 4_294_967_296.0 * 2_097_150.0) as f32 * grid.step
+        };
         let power = |axis: usize| (random[axis] >> 8) as f32 * f32::from_bits((40 + (random[3] >> 25)) << 23);
         Photon { position: [along(0), along(1), along(2)], power: [power(0), power(1), power(2)], ..Photon::default() }
     }

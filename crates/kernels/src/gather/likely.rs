@@ -1,4 +1,5 @@
 //! How far the k nearest photons probably are, from how many photons the cells around hold: no photon is looked at.
+#![allow(clippy::implicit_saturating_sub)] // rust-gpu 0.10 cannot compile `saturating_sub`
 
 use super::reach::ALL_COUNT;
 use super::{CUT_SHORT, GatherParams, Placed, Reach};
