@@ -170,16 +170,14 @@ pub fn order_neighbours<N: Store<Neighbour> + ?Sized>(
     if count == CUT_SHORT || place >= count {
         return;
     }
-    let first = windows[(2 * q) as usize];
-    let shift = windows[(2 * q + 1) as usize];
     let mine = unordered[i as usize];
-    let my_bin = bin_of(mine, first, shift);
+    let bin = Bin::of(mine, windows[(2 * q) as usize], windows[(2 * q + 1) as usize]);
     let mut moves = 0;
     let mut other = i;
     while other > row {
         other -= 1;
         let neighbour = unordered[other as usize];
-        if bin_of(neighbour, first, shift) != my_bin {
+        if !bin.has(neighbour) {
             other = row;
         } else if precedes(mine, neighbour) {
             moves -= 1;
@@ -188,7 +186,7 @@ pub fn order_neighbours<N: Store<Neighbour> + ?Sized>(
     other = i + 1;
     while other < row + count {
         let neighbour = unordered[other as usize];
-        if bin_of(neighbour, first, shift) != my_bin {
+        if !bin.has(neighbour) {
             other = row + count;
         } else if precedes(neighbour, mine) {
             moves += 1;
@@ -198,14 +196,34 @@ pub fn order_neighbours<N: Store<Neighbour> + ?Sized>(
     neighbours.set((i as i32 + moves) as u32, mine);
 }
 
-/// Bins from 1; 0 is for all that is nearer.
-#[inline]
-fn bin_of(neighbour: Neighbour, first: u32, shift: u32) -> u32 {
-    let bits = neighbour.distance2.to_bits();
-    if bits < first { 0 } else { ((bits - first) >> shift) + 1 }
+/// The bin of a neighbour, as bits of squared distances.
+#[derive(Clone, Copy)]
+struct Bin {
+    begin: u32,
+    width: u32,
 }
 
+impl Bin {
+    /// Bins begin at `first` and are 2^`shift` wide; what is nearer is a bin of its own.
+    #[inline]
+    fn of(neighbour: Neighbour, first: u32, shift: u32) -> Self {
+        let bits = neighbour.distance2.to_bits();
+        if bits < first {
+            Self { begin: 0, width: first }
+        } else {
+            Self { begin: first + (((bits - first) >> shift) << shift), width: 1 << shift }
+        }
+    }
+
+    #[inline]
+    fn has(self, neighbour: Neighbour) -> bool {
+        neighbour.distance2.to_bits().wrapping_sub(self.begin) < self.width
+    }
+}
+
+/// Whether a neighbour comes before another: bits of distances are in the order of the distances, and take fewer instructions.
 #[inline]
 fn precedes(a: Neighbour, b: Neighbour) -> bool {
-    a.distance2 < b.distance2 || (a.distance2 == b.distance2 && a.photon < b.photon)
+    let (a_bits, b_bits) = (a.distance2.to_bits(), b.distance2.to_bits());
+    a_bits < b_bits || (a_bits == b_bits && a.photon < b.photon)
 }
