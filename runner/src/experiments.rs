@@ -10,7 +10,7 @@ use caustic_device::Device;
 use caustic_experiments::figure::{self, Figure, Results};
 use caustic_experiments::scope::Scope;
 use caustic_experiments::store::{Outcome, Store};
-use caustic_experiments::{Event, Options, report, run as measure};
+use caustic_experiments::{Event, Options, merge, report, run as measure};
 use std::path::Path;
 
 /// Measures the thesis's experiments and writes a report.
@@ -28,16 +28,24 @@ pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
         let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
         return write(folder, &figures, &store);
     }
+    if let Some(first) = arguments.merge.first() {
+        let nothing = || Failure::input(format!("--merge {}: there are no results in this folder", first.display()));
+        let first = Store::read(first).map_err(|error| error.map_or_else(nothing, Failure::input))?.header;
+        let scope = Scope { quick: first.quick, gpu: first.machine.is_gpu() };
+        let options = Options { folder, figures: &figures, scope, part: None, patience_s: 0.0 };
+        return write(folder, &figures, &merge(&options, &arguments.merge).map_err(Failure::input)?);
+    }
     let patience_s = arguments.patience.unwrap_or(if arguments.quick { 10.0 } else { 60.0 });
     if patience_s.is_nan() || patience_s <= 0.0 {
         return Err(Failure::input(format!("--patience is {patience_s} but must be above 0 seconds")));
     }
     let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
     eprintln!("{line}");
+    let ExperimentsArguments { part, quick, .. } = *arguments;
     let mut store =
-        Store::open(folder, &Machine::of(&device), arguments.quick, &command::line()).map_err(Failure::input)?;
-    let scope = Scope { quick: arguments.quick, gpu: device.is_gpu() };
-    let options = Options { folder, figures: &figures, scope, patience_s };
+        Store::open(folder, &Machine::of(&device), quick, part, &command::line()).map_err(Failure::input)?;
+    let scope = Scope { quick, gpu: device.is_gpu() };
+    let options = Options { folder, figures: &figures, scope, part, patience_s };
     let monitor = BenchMonitor::new();
     let complete = measure(&options, &device, &mut store, &mut |event| {
         match event {
@@ -49,13 +57,17 @@ pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
     });
     monitor.finish();
     let complete = complete.map_err(Failure::machine)?;
-    write(folder, &figures, &store)?;
+    if let Some(part) = part {
+        println!("part {part}: {} cases in {}", store.cases().count(), folder.display());
+    } else {
+        write(folder, &figures, &store)?;
+    }
     if complete { Ok(()) } else { Err(Failure::interrupted_experiments(store.cases().count())) }
 }
 
 /// Writes the report, also of experiments that were interrupted.
 fn write(folder: &Path, figures: &[&'static Figure], store: &Store) -> Result<(), Failure> {
-    let gpu = !store.header.machine.driver.is_empty();
+    let gpu = store.header.machine.is_gpu();
     let results = Results { store, scope: Scope { quick: store.header.quick, gpu }, folder };
     let made = report::make(&results, figures).map_err(Failure::machine)?;
     let page = report::html(store, &made);

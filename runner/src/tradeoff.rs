@@ -9,7 +9,7 @@ use caustic_bench::row::Machine;
 use caustic_device::{Device, DeviceChoice, Precision};
 use caustic_experiments::store::Outcome;
 use caustic_planner::tradeoff::{
-    Case, Event, Point, Store, csv, html, json, points, reference, run as measure, stability, svg,
+    Case, Event, Point, Store, csv, html, json, points, reference, run as measure, stability, stability_cases, svg,
 };
 use caustic_renderer::Show;
 use caustic_renderer::scene::Scene;
@@ -25,25 +25,39 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
     let folder = &arguments.output;
     let show = Show::from(arguments.show);
     let title = if show == Show::Beauty { scene.name.clone() } else { format!("{}, {}", scene.name, show.name()) };
-    let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
-    let named = named(&arguments.device, &device);
-    let all: Vec<(Case, Point)> = points(&scene, arguments.quick, show, device.is_gpu())
-        .into_iter()
-        .map(|point| (point.case(&arguments.scene, &named), point))
-        .collect();
+    let all = |gpu: bool, quick: bool| -> Vec<(Case, Point)> {
+        let device = named(&arguments.device, gpu);
+        let of_point = |point: Point| (point.case(&arguments.scene, &device), point);
+        points(&scene, quick, show, gpu).into_iter().map(of_point).collect()
+    };
+    let read = |flag: &str, folder: &Path| {
+        let nothing = || Failure::input(format!("{flag} {}: there are no results in this folder", folder.display()));
+        Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))
+    };
     if arguments.report_only {
-        let nothing = || Failure::input(format!("-o {}: there are no results in this folder", folder.display()));
-        let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
+        let store = read("-o", folder)?;
+        return write(folder, &title, &all(store.header.machine.is_gpu(), store.header.quick), &store);
+    }
+    if let Some(first) = arguments.merge.first() {
+        let of_first = read("--merge", first)?.header;
+        let (gpu, quick) = (of_first.machine.is_gpu(), of_first.quick);
+        let all = all(gpu, quick);
+        let mut cases: Vec<Case> = all.iter().map(|(case, _)| case.clone()).collect();
+        cases.extend(stability_cases(quick, gpu));
+        let store = Store::merge(folder, &arguments.merge, &cases).map_err(Failure::input)?;
         return write(folder, &title, &all, &store);
     }
+    let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
     eprintln!("{line}");
     if let Some(path) = given {
         caustic_metrics::Image::read(path).map_err(|error| Failure::input(format!("--reference: {error}")))?;
     }
     let machine = Machine::of(&device);
-    let mut store = Store::open(folder, &machine, arguments.quick, &command::line()).map_err(Failure::input)?;
+    let TradeoffArguments { part, quick, .. } = *arguments;
+    let all = all(device.is_gpu(), quick);
+    let mut store = Store::open(folder, &machine, quick, part, &command::line()).map_err(Failure::input)?;
     let monitor = BenchMonitor::new();
-    let truth = reference(&scene, &device, arguments.quick, show, given, folder, &mut |progress| {
+    let truth = reference(&scene, &device, quick, show, given, folder, &mut |progress| {
         monitor.begin("reference", OF_REFERENCE * progress.done as f64 / progress.total.max(1) as f64);
         monitor.goes_on()
     });
@@ -66,19 +80,23 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
         }
         monitor.goes_on()
     };
-    let complete = measure(&scene, &all, &truth, devices, &mut store, &mut watch)
-        .and_then(|complete| Ok(complete && stability(arguments.quick, devices, &mut store, &mut watch)?));
+    let complete = measure(&scene, &all, part, &truth, devices, &mut store, &mut watch)
+        .and_then(|complete| Ok(complete && stability(quick, part, devices, &mut store, &mut watch)?));
     monitor.finish();
     let complete = complete.map_err(Failure::machine)?;
-    write(folder, &title, &all, &store)?;
+    if let Some(part) = part {
+        println!("part {part}: {} cases in {}", store.cases().count(), folder.display());
+    } else {
+        write(folder, &title, &all, &store)?;
+    }
     if complete { Ok(()) } else { Err(Failure::interrupted_sweep(store.cases().count())) }
 }
 
 /// The device as commands name it: what `auto` found.
-fn named(asked: &DeviceChoice, device: &Device) -> String {
+fn named(asked: &DeviceChoice, gpu: bool) -> String {
     match asked {
         DeviceChoice::Gpu(Some(which)) => format!("gpu:{which}"),
-        _ => if device.is_gpu() { "gpu" } else { "cpu" }.to_string(),
+        _ => if gpu { "gpu" } else { "cpu" }.to_string(),
     }
 }
 

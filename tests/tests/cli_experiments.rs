@@ -44,6 +44,23 @@ fn figures_are_measured_once_and_judged_by_what_was_measured() {
     fs::write(folder.path().join("out/results.jsonl"), &results[..cut]).unwrap();
     succeeds(&folder, &[&FAST[..], &["out"]].concat());
     assert_eq!(read(&folder, "out/results.jsonl").lines().count(), results.lines().count());
+    // Parts are the same experiments: only times differ.
+    for (part, into) in [("1/2", "a"), ("2/2", "b")] {
+        succeeds(&folder, &[&FAST[..], &[into, "--part", part]].concat());
+    }
+    let missing = ["experiments", "--only", "fig24,fig30", "-o", "all", "--merge", "b"];
+    refused(&folder, &missing, &["cases are missing", "part 1/2"]);
+    succeeds(&folder, &["experiments", "--only", "fig24,fig30", "-o", "all", "--merge", "b", "a"]);
+    let found = |name: &str| -> Vec<_> {
+        read(&folder, name)
+            .lines()
+            .skip(1)
+            .map(json)
+            .map(|line| (line["case"].clone(), line["found"].clone()))
+            .collect()
+    };
+    assert_eq!(found("all/results.jsonl"), found("out/results.jsonl"));
+    assert_eq!(fs::read_dir(folder.path().join("all/pictures")).unwrap().count(), pictures.len());
 
     // Other numbers, another verdict.
     let claims = read(&folder, "out/claims.md");

@@ -113,6 +113,23 @@ fn a_sweep_is_measured_once_and_tells_what_is_worth_having() {
     fs::write(folder.path().join("out/results.jsonl"), &results[..results.len() - 20]).unwrap();
     succeeds(&folder, &sweep);
     assert_eq!(read("results.jsonl").lines().count(), results.lines().count());
+    // Parts, measured anywhere, are the same sweep: only times differ.
+    let part = |part: &str, into: &str| {
+        let more = ["--part", part, "-o", into, "--reference", "out/reference.exr"];
+        succeeds(&folder, &[&sweep[..5], &more].concat());
+    };
+    part("2/2", "b");
+    refused(&folder, &["tradeoff", "plane", "--merge", "b", "-o", "all"], &["cases are missing", "part 1/2"]);
+    part("1/2", "a");
+    refused(&folder, &["tradeoff", "plane", "--merge", "a", "b", "a", "-o", "all"], &["each part once"]);
+    refused(&folder, &[&sweep[..5], &["-o", "a"]].concat(), &["part 1/2", "another folder"]);
+    succeeds(&folder, &["tradeoff", "plane", "--device", "cpu", "--merge", "b", "a", "-o", "all"]);
+    let errors = |name: &str| -> Vec<_> {
+        let sweep = json(&fs::read_to_string(folder.path().join(name)).unwrap());
+        let of_point = |point: &serde_json::Value| (point["command"].clone(), point["numbers"]["relmse"].clone());
+        sweep["points"].as_array().unwrap().iter().map(of_point).collect()
+    };
+    assert_eq!(errors("all/points.json"), errors("out/points.json"));
     // The command of a point renders it.
     let command = points[0]["command"].as_str().unwrap().to_string();
     let words: Vec<_> = command.split(' ').skip(1).collect();

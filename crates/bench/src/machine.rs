@@ -27,6 +27,12 @@ pub struct Machine {
 }
 
 impl Machine {
+    /// Whether the device is a GPU.
+    #[must_use]
+    pub fn is_gpu(&self) -> bool {
+        !self.driver.is_empty()
+    }
+
     /// This machine, with this device.
     #[must_use]
     pub fn of(device: &Device) -> Self {
@@ -53,7 +59,7 @@ impl Machine {
     /// The device for people: on a CPU, which one.
     #[must_use]
     pub fn title(&self) -> String {
-        if self.driver.is_empty() { format!("{} ({})", self.device, self.cpu) } else { self.device.clone() }
+        if self.is_gpu() { self.device.clone() } else { format!("{} ({})", self.device, self.cpu) }
     }
 }
 

@@ -16,4 +16,4 @@ mod picture;
 mod run;
 mod stage;
 
-pub use run::{Event, Options, run};
+pub use run::{Event, Options, merge, run};

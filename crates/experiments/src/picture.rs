@@ -20,6 +20,19 @@ pub(crate) fn path(folder: &Path, case: &Case) -> PathBuf {
     folder.join("pictures").join(format!("{name}.exr"))
 }
 
+/// Copies the pictures of one folder to another.
+pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    let (from, to) = (from.join("pictures"), to.join("pictures"));
+    let Ok(files) = std::fs::read_dir(&from) else { return Ok(()) };
+    let told = |error: std::io::Error| format!("cannot copy `{}` to `{}`: {error}", from.display(), to.display());
+    std::fs::create_dir_all(&to).map_err(told)?;
+    for file in files {
+        let file = file.map_err(told)?;
+        std::fs::copy(file.path(), to.join(file.file_name())).map_err(told)?;
+    }
+    Ok(())
+}
+
 /// Makes the picture of a case and writes it to a file.
 pub(crate) fn measure(stage: &mut Stage, subject: &Subject, case: &Case, folder: &Path) -> Result<Measured, Trouble> {
     let image = picture(stage, subject, case)?;

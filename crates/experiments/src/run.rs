@@ -3,14 +3,16 @@
 use crate::case::{Case, What};
 use crate::figure::Figure;
 use crate::measure::measure;
+use crate::picture;
 use crate::scope::Scope;
 use crate::stage::Stage;
 use crate::store::{Outcome, Store};
 use crate::subject;
 use caustic_bench::Trouble;
 use caustic_device::Device;
+use caustic_renderer::Part;
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What to measure.
 pub struct Options<'a> {
@@ -20,6 +22,8 @@ pub struct Options<'a> {
     pub figures: &'a [&'a Figure],
     /// How far they go.
     pub scope: Scope,
+    /// Which part of the cases; all if none.
+    pub part: Option<Part>,
     /// Longest that a single run of a case may be expected to take, s; cases beyond are skipped.
     pub patience_s: f64,
 }
@@ -42,7 +46,9 @@ pub fn run(
     store: &mut Store,
     watch: &mut dyn FnMut(Event) -> bool,
 ) -> Result<bool, String> {
-    let cases = cases(options);
+    let mine = |i: usize| options.part.is_none_or(|part| part.has(i));
+    let cases: Vec<Case> =
+        cases(options).into_iter().enumerate().filter(|(i, _)| mine(*i)).map(|(_, case)| case).collect();
     let mut stage = Stage::new(device).map_err(told)?;
     let mut pace = Pace::default();
     let total: f64 = cases.iter().map(weight).sum();
@@ -76,6 +82,18 @@ pub fn run(
         }
     }
     Ok(true)
+}
+
+/// Merges the results in these folders, which may be parts in any order, into `options.folder`, with the pictures.
+///
+/// # Errors
+/// As [`StoreOf::merge`](crate::store::StoreOf::merge), and if a picture cannot be copied.
+pub fn merge(options: &Options, parts: &[PathBuf]) -> Result<Store, String> {
+    let store = Store::merge(options.folder, parts, &cases(options))?;
+    for part in parts {
+        picture::copy(part, options.folder)?;
+    }
+    Ok(store)
 }
 
 fn told(trouble: Trouble) -> String {
@@ -156,7 +174,7 @@ mod tests {
         let figures: Vec<&Figure> = FIGURES.iter().collect();
         for (quick, gpu) in [(true, false), (false, true)] {
             let scope = Scope { quick, gpu };
-            let options = Options { folder: Path::new("."), figures: &figures, scope, patience_s: 1.0 };
+            let options = Options { folder: Path::new("."), figures: &figures, scope, part: None, patience_s: 1.0 };
             let cases = cases(&options);
             let different: HashSet<_> = cases.iter().collect();
             assert_eq!(different.len(), cases.len());

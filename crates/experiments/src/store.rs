@@ -2,6 +2,7 @@
 
 use crate::case::Case;
 use caustic_bench::row::Machine;
+use caustic_renderer::Part;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, HashMap};
@@ -9,6 +10,8 @@ use std::fs::{self, File, OpenOptions};
 use std::hash::Hash;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
+
+mod merge;
 
 /// Version of the format.
 const FORMAT: u32 = 2;
@@ -32,10 +35,22 @@ pub struct Header {
     pub machine: Machine,
     /// Whether ranges were cut short.
     pub quick: bool,
+    /// Which part of the cases, if they were shared out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<Part>,
     /// When it began, UTC.
     pub date: String,
     /// The commands that measured it.
     pub command: String,
+}
+
+impl Header {
+    /// Whose results they are, for people.
+    fn whose(&self) -> String {
+        let quick = if self.quick { " with --quick" } else { "" };
+        let part = self.part.map_or(String::new(), |part| format!(", part {part}"));
+        format!("results of {} at commit {}{quick}{part}", self.machine.title(), self.machine.commit)
+    }
 }
 
 /// A line.
@@ -71,10 +86,16 @@ impl<C: Key> StoreOf<C> {
     /// Opens the results in `folder`, or begins them.
     ///
     /// # Errors
-    /// If they cannot be read or written, or are those of another machine, version or range.
-    pub fn open(folder: &Path, machine: &Machine, quick: bool, command: &str) -> Result<Self, String> {
+    /// If they cannot be read or written, or are those of another machine, version, range or part.
+    pub fn open(
+        folder: &Path,
+        machine: &Machine,
+        quick: bool,
+        part: Option<Part>,
+        command: &str,
+    ) -> Result<Self, String> {
         let (machine_now, date) = (machine.clone(), caustic_bench::record::now());
-        let header = Header { format: FORMAT, machine: machine_now, quick, date, command: command.to_string() };
+        let header = Header { format: FORMAT, machine: machine_now, quick, part, date, command: command.to_string() };
         fs::create_dir_all(folder)
             .map_err(|error| format!("-o {}: it cannot be a folder: {error}", folder.display()))?;
         let path = path_in(folder);
@@ -83,14 +104,12 @@ impl<C: Key> StoreOf<C> {
             Err(None) => Self::empty(path.clone(), header.clone()),
             Err(Some(error)) => return Err(error),
         };
-        let before = (&store.header.machine, store.header.quick);
-        if before != (machine, quick) {
-            let was = if store.header.quick { " with --quick" } else { "" };
+        let before = (&store.header.machine, store.header.quick, store.header.part);
+        if before != (machine, quick, part) {
             return Err(format!(
-                "`{}` has results of {} at commit {}{was}; give another folder with -o, or delete that file",
+                "`{}` has {}; give another folder with -o, or delete that file",
                 path.display(),
-                store.header.machine.title(),
-                store.header.machine.commit,
+                store.header.whose()
             ));
         }
         if !store.header.command.split("; ").any(|known| known == command) {
@@ -152,12 +171,17 @@ impl<C: Key> StoreOf<C> {
     }
 
     fn rewrite(&self) -> Result<(), String> {
+        caustic_bench::record::write(&self.path, &self.text()?)
+    }
+
+    /// The file.
+    fn text(&self) -> Result<String, String> {
         let mut text = line_of(&self.header)?;
         for case in &self.order {
             let (outcome, found) = (self.outcomes[case].clone(), self.found.get(case).cloned());
             text += &line_of(&Line { case: case.clone(), outcome, found })?;
         }
-        caustic_bench::record::write(&self.path, &text)
+        Ok(text)
     }
 
     /// Adds what came of a case.
@@ -233,20 +257,20 @@ pub(crate) mod tests {
     fn results_are_found_again_and_half_a_line_is_forgotten() {
         let folder = tempfile::tempdir().unwrap();
         let machine = Machine::of(&Device::cpu());
-        let mut store = Store::open(folder.path(), &machine, true, "caustic experiments").unwrap();
+        let mut store = Store::open(folder.path(), &machine, true, None, "caustic experiments").unwrap();
         store.add(&case(10), values(&[("build_ms", 1.5)]), Some("ab".to_string())).unwrap();
         store.add(&case(20), Outcome::Skipped("too long".to_string()), None).unwrap();
         drop(store);
         let path = path_in(folder.path());
         let text = fs::read_to_string(&path).unwrap();
         fs::write(&path, format!("{text}{{\"case\": {{\"wh")).unwrap();
-        let mut store = Store::open(folder.path(), &machine, true, "caustic experiments").unwrap();
+        let mut store = Store::open(folder.path(), &machine, true, None, "caustic experiments").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), text);
         assert_eq!((store.value(&case(10), "build_ms"), store.found(&case(10))), (Some(1.5), Some("ab")));
         assert_eq!((store.value(&case(20), "build_ms"), store.cases().count()), (None, 2));
         store.add(&case(30), values(&[]), None).unwrap();
         drop(store);
-        let store = Store::open(folder.path(), &machine, true, "caustic experiments --only fig16").unwrap();
+        let store = Store::open(folder.path(), &machine, true, None, "caustic experiments --only fig16").unwrap();
         assert_eq!(store.header.command, "caustic experiments; caustic experiments --only fig16");
         assert_eq!(Store::read(folder.path()).ok().unwrap().cases().count(), 3);
     }
@@ -255,9 +279,10 @@ pub(crate) mod tests {
     fn results_of_other_circumstances_are_refused_with_a_remedy() {
         let folder = tempfile::tempdir().unwrap();
         let machine = Machine::of(&Device::cpu());
-        drop(Store::open(folder.path(), &machine, true, "caustic experiments").unwrap());
-        let error =
-            |machine: &Machine, quick| Store::open(folder.path(), machine, quick, "caustic experiments").err().unwrap();
+        drop(Store::open(folder.path(), &machine, true, None, "caustic experiments").unwrap());
+        let error = |machine: &Machine, quick| {
+            Store::open(folder.path(), machine, quick, None, "caustic experiments").err().unwrap()
+        };
         assert!(error(&machine, false).contains("with --quick; give another folder"));
         let other = Machine { commit: "another".to_string(), ..machine.clone() };
         assert!(error(&other, true).contains("results.jsonl` has results of"));

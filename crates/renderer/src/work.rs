@@ -3,6 +3,7 @@
 use crate::RenderError;
 use crate::settings::Settings;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::str::FromStr;
 
 /// Some pixels of one pass. A unit needs nothing but the scene and the settings: seed and radius of a pass are functions of its number, and
@@ -25,13 +26,27 @@ impl WorkUnit {
     }
 }
 
-/// One of several parts into which a render is split: `I/N`, I from 1 to N.
+/// One of several parts into which a render, or a set of cases, is split: `I/N`, I from 1 to N.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Part {
     /// Which part, from 1.
     pub number: u32,
     /// How many parts there are.
     pub of: u32,
+}
+
+impl Part {
+    /// Whether it has case `number` of a set: every N-th, since cases that cost alike stand side by side.
+    #[must_use]
+    pub fn has(&self, number: usize) -> bool {
+        number as u64 % u64::from(self.of) == u64::from(self.number - 1)
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.number, self.of)
+    }
 }
 
 /// Most parts of a render.

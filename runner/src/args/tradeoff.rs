@@ -2,13 +2,18 @@
 
 use super::ShowArgument;
 use caustic_device::DeviceChoice;
+use caustic_renderer::Part;
 use clap::Args;
 use std::path::PathBuf;
 
 #[derive(Args)]
 #[command(after_help = "Examples:\n  \
     caustic tradeoff cornell --quick\n  \
-    caustic tradeoff my_scene.toml -o sweep --reference truth.exr")]
+    caustic tradeoff my_scene.toml -o sweep --reference truth.exr\n\n\
+    Shared out, on any machines of one kind and in any order:\n  \
+    caustic tradeoff cornell --part 1/2 -o a\n  \
+    caustic tradeoff cornell --part 2/2 -o b --reference a/reference.exr\n  \
+    caustic tradeoff cornell --merge a b -o sweep")]
 pub struct TradeoffArguments {
     /// A built-in scene, a scene file or a model.
     pub scene: String,
@@ -28,6 +33,12 @@ pub struct TradeoffArguments {
     /// Fewer points and smaller pictures: under three minutes on two cores.
     #[arg(long)]
     pub quick: bool,
+    /// Measures part I of N, such as 3/8, into a folder of its own, on any machine of one kind: docs/farm.md.
+    #[arg(long, value_name = "I/N", conflicts_with = "report_only")]
+    pub part: Option<Part>,
+    /// Merges these folders, parts that were measured with otherwise the same arguments, into -o with the report, and measures nothing.
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["report_only", "part"])]
+    pub merge: Vec<PathBuf>,
     /// Makes the report of the results that are there, and measures nothing.
     #[arg(long)]
     pub report_only: bool,

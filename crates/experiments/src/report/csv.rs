@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn every_line_has_every_column() {
         let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::open(folder.path(), &Machine::of(&Device::cpu()), true, "").unwrap();
+        let mut store = Store::open(folder.path(), &Machine::of(&Device::cpu()), true, None, "").unwrap();
         store.add(&case(10), values(&[("build_ms", 1.234_567_89), ("a", 3.0)]), Some("f".repeat(64))).unwrap();
         store.add(&case(20), values(&[("search_ms", 2.0)]), None).unwrap();
         store.add(&case(30), Outcome::Skipped("it says \"no\"".to_string()), None).unwrap();

@@ -13,7 +13,7 @@ pub use point::{Case, Point, points};
 pub use reference::reference;
 pub use report::{csv, html, json, svg};
 pub use run::{Event, run};
-pub use stability::stability;
+pub use stability::{stability, stability_cases};
 
 /// Results of a sweep in a file.
 pub type Store = caustic_experiments::store::StoreOf<Case>;

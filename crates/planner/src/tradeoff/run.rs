@@ -7,7 +7,7 @@ use caustic_device::{Device, Precision};
 use caustic_experiments::store::Outcome;
 use caustic_metrics::{Image, Metric, compare};
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{RenderError, render};
+use caustic_renderer::{Part, RenderError, render};
 use std::collections::BTreeMap;
 
 /// What happens.
@@ -18,7 +18,7 @@ pub enum Event<'a> {
     Done(&'a Case, &'a Outcome),
 }
 
-/// Measures the points that the store does not have yet. `devices` are the exact one and, for points that are fast, the fast one. Returns
+/// Measures the points, of all or of a part of them, that the store does not have yet. `devices` are the exact one and, for points that are fast, the fast one. Returns
 /// whether all is there: false if `watch` returned false.
 ///
 /// # Errors
@@ -26,20 +26,23 @@ pub enum Event<'a> {
 pub fn run(
     scene: &Scene,
     points: &[(Case, Point)],
+    part: Option<Part>,
     reference: &Image,
     [exact, fast]: [Option<&Device>; 2],
     store: &mut Store,
     watch: &mut dyn FnMut(Event) -> bool,
 ) -> Result<bool, String> {
-    for (i, (case, point)) in points.iter().enumerate() {
+    let mine: Vec<_> =
+        points.iter().enumerate().filter(|(i, _)| part.is_none_or(|part| part.has(*i))).map(|(_, one)| one).collect();
+    for (i, (case, point)) in mine.iter().enumerate() {
         if store.outcome(case).is_some() {
             continue;
         }
-        if !watch(Event::Begin(case, i as f64 / points.len() as f64)) {
+        if !watch(Event::Begin(case, i as f64 / mine.len() as f64)) {
             return Ok(false);
         }
         let device = if point.precision == Precision::Fast { fast } else { exact };
-        let mut go_on = || watch(Event::Begin(case, i as f64 / points.len() as f64));
+        let mut go_on = || watch(Event::Begin(case, i as f64 / mine.len() as f64));
         let outcome = match device.map(|device| measure(scene, point, reference, device, &mut go_on)) {
             None => Outcome::Skipped("there is no such device".to_string()),
             Some(Ok(values)) => Outcome::Values(values),

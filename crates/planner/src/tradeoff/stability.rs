@@ -9,6 +9,7 @@ use caustic_experiments::store::Outcome;
 use caustic_kernels::layout::{Photon, Query};
 use caustic_kernels::num::pcg4d;
 use caustic_photon_map::{Gather, Hash, MapError, MapOptions, PhotonMap};
+use caustic_renderer::Part;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -58,35 +59,49 @@ fn trials(quick: bool) -> Vec<Trial> {
 /// Whose numbers are tried: exact and fast arithmetic, and a compact map's.
 const WAYS: [&str; 3] = ["exact", "fast", "compact"];
 
-/// Measures what the store does not have yet, on the exact device and on the fast one if there is one. Returns whether all is there: false if
+/// All trials in all ways; only GPUs are fast.
+fn all(quick: bool, gpu: bool) -> Vec<(Trial, &'static str)> {
+    let ways = move |trial| WAYS.into_iter().filter(move |&way| gpu || way != "fast").map(move |way| (trial, way));
+    trials(quick).into_iter().flat_map(ways).collect()
+}
+
+/// What results of all trials are kept by.
+#[must_use]
+pub fn stability_cases(quick: bool, gpu: bool) -> Vec<Case> {
+    all(quick, gpu).iter().map(|(trial, way)| case(trial, way)).collect()
+}
+
+/// Measures what the store does not have yet, of all trials or of a part of them, on the exact device and on the fast one if there is one. Returns whether all is there: false if
 /// `watch` returned false.
 ///
 /// # Errors
 /// If a device or the disk fails.
 pub fn stability(
     quick: bool,
+    part: Option<Part>,
     [exact, fast]: [Option<&Device>; 2],
     store: &mut Store,
     watch: &mut dyn FnMut(Event) -> bool,
 ) -> Result<bool, String> {
-    for trial in trials(quick) {
-        for (device, way) in [exact, fast, exact].into_iter().zip(WAYS) {
-            let (Some(device), case) = (device, case(&trial, way)) else { continue };
-            if store.outcome(&case).is_some() {
-                continue;
-            }
-            if !watch(Event::Begin(&case, 1.0)) {
-                return Ok(false);
-            }
-            let outcome = match errors(&trial, device, way == "compact") {
-                Ok([most, rms]) => Outcome::Values(BTreeMap::from([
-                    ("most_relative_error".to_string(), most),
-                    ("rms_relative_error".to_string(), rms),
-                ])),
-                Err(error) => Outcome::Skipped(error.to_string()),
-            };
-            store.add(&case, outcome, None)?;
+    let gpu = exact.is_some_and(Device::is_gpu);
+    for (i, (trial, way)) in all(quick, gpu).into_iter().enumerate() {
+        let case = case(&trial, way);
+        if store.outcome(&case).is_some() || part.is_some_and(|part| !part.has(i)) {
+            continue;
         }
+        if !watch(Event::Begin(&case, 1.0)) {
+            return Ok(false);
+        }
+        let device = if way == "fast" { fast } else { exact };
+        let outcome = match device.map(|device| errors(&trial, device, way == "compact")) {
+            None => Outcome::Skipped("there is no such device".to_string()),
+            Some(Ok([most, rms])) => Outcome::Values(BTreeMap::from([
+                ("most_relative_error".to_string(), most),
+                ("rms_relative_error".to_string(), rms),
+            ])),
+            Some(Err(error)) => Outcome::Skipped(error.to_string()),
+        };
+        store.add(&case, outcome, None)?;
     }
     Ok(true)
 }
