@@ -181,7 +181,8 @@ fn reduced(settings: &Settings, gpu: bool) -> Settings {
     let fewer = |photons: u32| (f64::from(photons) * share).ceil() as u32;
     let [width, height] = settings.size.map(f64::from);
     let pixels = if gpu { GPU_PIXELS } else { CPU_PIXELS };
-    let scale = (pixels / (width * height)).sqrt();
+    // No larger than what is asked for: edges, which are most of the noise of few samples, are a larger part of a small picture.
+    let scale = (pixels / (width * height)).sqrt().min(1.0);
     let side = |length: f64| ((length * scale).round() as u32).clamp(1, MAX_SIDE);
     Settings {
         size: [side(width), side(height)],
