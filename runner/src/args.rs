@@ -1,6 +1,7 @@
 //! The command line.
 
 mod bench;
+mod cases;
 mod compare;
 mod experiments;
 mod integrator;
@@ -13,6 +14,7 @@ mod plan;
 mod tradeoff;
 
 pub use bench::BenchArguments;
+pub use cases::CasesArguments;
 pub use compare::{CompareArguments, MetricArgument, Threshold};
 pub use experiments::ExperimentsArguments;
 pub use integrator::{IntegratorArguments, RadiusArgument};

@@ -1,7 +1,7 @@
 //! `caustic experiments`.
 
 use crate::Failure;
-use crate::args::ExperimentsArguments;
+use crate::args::{CasesArguments, ExperimentsArguments};
 use crate::command;
 use crate::progress::BenchMonitor;
 use caustic_bench::record;
@@ -23,17 +23,15 @@ pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
         return Ok(());
     }
     let folder = &arguments.output;
-    if arguments.report_only {
-        let nothing = || Failure::input(format!("-o {}: there are no results in this folder", folder.display()));
-        let store = Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))?;
-        return write(folder, &figures, &store);
+    let CasesArguments { part, merge: parts, report_only } = &arguments.cases;
+    if *report_only {
+        return write(folder, &figures, &Store::existing("-o", folder).map_err(Failure::input)?);
     }
-    if let Some(first) = arguments.merge.first() {
-        let nothing = || Failure::input(format!("--merge {}: there are no results in this folder", first.display()));
-        let first = Store::read(first).map_err(|error| error.map_or_else(nothing, Failure::input))?.header;
+    if let Some(first) = parts.first() {
+        let first = Store::existing("--merge", first).map_err(Failure::input)?.header;
         let scope = Scope { quick: first.quick, gpu: first.machine.is_gpu() };
         let options = Options { folder, figures: &figures, scope, part: None, patience_s: 0.0 };
-        return write(folder, &figures, &merge(&options, &arguments.merge).map_err(Failure::input)?);
+        return write(folder, &figures, &merge(&options, parts).map_err(Failure::input)?);
     }
     let patience_s = arguments.patience.unwrap_or(if arguments.quick { 10.0 } else { 60.0 });
     if patience_s.is_nan() || patience_s <= 0.0 {
@@ -41,7 +39,7 @@ pub fn run(arguments: &ExperimentsArguments) -> Result<(), Failure> {
     }
     let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
     eprintln!("{line}");
-    let ExperimentsArguments { part, quick, .. } = *arguments;
+    let (part, quick) = (*part, arguments.quick);
     let mut store =
         Store::open(folder, &Machine::of(&device), quick, part, &command::line()).map_err(Failure::input)?;
     let scope = Scope { quick, gpu: device.is_gpu() };

@@ -1,7 +1,7 @@
 //! `caustic tradeoff`.
 
 use crate::Failure;
-use crate::args::TradeoffArguments;
+use crate::args::{CasesArguments, TradeoffArguments};
 use crate::command;
 use crate::progress::BenchMonitor;
 use caustic_bench::record;
@@ -30,21 +30,18 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
         let of_point = |point: Point| (point.case(&arguments.scene, &device), point);
         points(&scene, quick, show, gpu).into_iter().map(of_point).collect()
     };
-    let read = |flag: &str, folder: &Path| {
-        let nothing = || Failure::input(format!("{flag} {}: there are no results in this folder", folder.display()));
-        Store::read(folder).map_err(|error| error.map_or_else(nothing, Failure::input))
-    };
-    if arguments.report_only {
-        let store = read("-o", folder)?;
+    let CasesArguments { part, merge: parts, report_only } = &arguments.cases;
+    if *report_only {
+        let store = Store::existing("-o", folder).map_err(Failure::input)?;
         return write(folder, &title, &all(store.header.machine.is_gpu(), store.header.quick), &store);
     }
-    if let Some(first) = arguments.merge.first() {
-        let of_first = read("--merge", first)?.header;
+    if let Some(first) = parts.first() {
+        let of_first = Store::existing("--merge", first).map_err(Failure::input)?.header;
         let (gpu, quick) = (of_first.machine.is_gpu(), of_first.quick);
         let all = all(gpu, quick);
         let mut cases: Vec<Case> = all.iter().map(|(case, _)| case.clone()).collect();
         cases.extend(stability_cases(quick, gpu));
-        let store = Store::merge(folder, &arguments.merge, &cases).map_err(Failure::input)?;
+        let store = Store::merge(folder, parts, &cases).map_err(Failure::input)?;
         return write(folder, &title, &all, &store);
     }
     let (device, line) = Device::open(&arguments.device).map_err(Failure::input)?;
@@ -53,7 +50,7 @@ pub fn run(arguments: &TradeoffArguments) -> Result<(), Failure> {
         caustic_metrics::Image::read(path).map_err(|error| Failure::input(format!("--reference: {error}")))?;
     }
     let machine = Machine::of(&device);
-    let TradeoffArguments { part, quick, .. } = *arguments;
+    let (part, quick) = (*part, arguments.quick);
     let all = all(device.is_gpu(), quick);
     let mut store = Store::open(folder, &machine, quick, part, &command::line()).map_err(Failure::input)?;
     let monitor = BenchMonitor::new();

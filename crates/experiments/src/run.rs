@@ -46,9 +46,7 @@ pub fn run(
     store: &mut Store,
     watch: &mut dyn FnMut(Event) -> bool,
 ) -> Result<bool, String> {
-    let mine = |i: usize| options.part.is_none_or(|part| part.has(i));
-    let cases: Vec<Case> =
-        cases(options).into_iter().enumerate().filter(|(i, _)| mine(*i)).map(|(_, case)| case).collect();
+    let cases: Vec<Case> = Part::share(options.part, cases(options)).collect();
     let mut stage = Stage::new(device).map_err(told)?;
     let mut pace = Pace::default();
     let total: f64 = cases.iter().map(weight).sum();

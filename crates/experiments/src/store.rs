@@ -122,11 +122,20 @@ impl<C: Key> StoreOf<C> {
         Ok(store)
     }
 
+    /// Reads the results in the folder that `flag` names.
+    ///
+    /// # Errors
+    /// If there are none, or they are unreadable.
+    pub fn existing(flag: &str, folder: &Path) -> Result<Self, String> {
+        let nothing = || format!("{flag} {}: there are no results in this folder", folder.display());
+        Self::read(folder).map_err(|error| error.unwrap_or_else(nothing))
+    }
+
     /// Reads the results in a folder. `None` if there are none.
     ///
     /// # Errors
     /// If they are unreadable.
-    pub fn read(folder: &Path) -> Result<Self, Option<String>> {
+    fn read(folder: &Path) -> Result<Self, Option<String>> {
         let path = path_in(folder);
         let text = fs::read_to_string(&path).map_err(|error| {
             (error.kind() != ErrorKind::NotFound).then(|| format!("cannot read `{}`: {error}", path.display()))

@@ -2,16 +2,18 @@
 
 mod density;
 mod estimate;
+mod neighbours;
 
 pub use estimate::{Estimate, Filter, Nearest, Seen, Surface};
+pub use neighbours::Neighbours;
 
 use crate::grid::{MAX_PHOTONS, bounds, plan_grid, rows};
-use crate::options::{irradiance_kernel, neighbours_kernel};
-use crate::{Gather, MAX_K, MapError, MapOptions, RadixSort};
+use crate::options::irradiance_kernel;
+use crate::{Gather, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, Compact, GatherParams, Placed};
 use caustic_kernels::grid::{BEGINS_BLOCK, GRID_BLOCK, Grid, HASH_LINEAR, Row};
-use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
+use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
 
 /// A photon map on a device.
 #[derive(Clone)]
@@ -25,33 +27,6 @@ pub struct PhotonMap {
     arrivals: Buffer,
     begins: Buffer,
     power: Buffer,
-}
-
-/// Where a plan leaves the neighbours of queries.
-pub struct Neighbours {
-    /// k places a query, of [`Neighbour`]; those after its last hold anything.
-    pub neighbours: Buffer,
-    /// How many each query has, or [`CUT_SHORT`].
-    pub counts: Buffer,
-}
-
-impl Neighbours {
-    /// Room for the `k` nearest photons of `count` queries.
-    ///
-    /// # Errors
-    /// [`MapError::K`], [`MapError::TooMany`] and [`MapError::Device`].
-    pub fn new(device: &Device, count: u32, k: u32) -> Result<Self, MapError> {
-        if k == 0 || k > MAX_K {
-            return Err(MapError::K { k: u64::from(k), max: MAX_K });
-        }
-        let rows = u64::from(count) * u64::from(k);
-        if rows > u64::from(u32::MAX) {
-            return Err(MapError::TooMany { what: "neighbours", count: rows, max: u32::MAX });
-        }
-        let neighbours = device.scratch::<Neighbour>("neighbours", rows)?;
-        let counts = device.scratch::<u32>("neighbour counts", u64::from(count))?;
-        Ok(Self { neighbours, counts })
-    }
 }
 
 /// What a map keeps of its photons.
@@ -256,39 +231,6 @@ impl PhotonMap {
         Ok(())
     }
 
-    /// Appends the search for the `k` nearest photons of `count` queries to a plan.
-    ///
-    /// # Errors
-    /// [`MapError::K`], [`MapError::TooMany`], [`MapError::Compact`] and [`MapError::Device`].
-    pub fn plan_neighbours(
-        &self,
-        device: &Device,
-        plan: &mut Plan,
-        queries: &Buffer,
-        count: u32,
-        k: u32,
-        gather: Gather,
-    ) -> Result<Neighbours, MapError> {
-        if self.compact.is_some() {
-            return Err(MapError::Compact { what: "neighbours" });
-        }
-        let kernel = neighbours_kernel(gather, k, device.is_gpu(), self.grid.hash == HASH_LINEAR)?;
-        let Neighbours { neighbours, counts } = Neighbours::new(device, count, k)?;
-        let Search { params, order } = self.plan_search(device, plan, queries, count, k, k)?;
-        let search = [&params, &self.grid_buffer, &self.rows, queries, &order, &self.sites, &self.begins];
-        let [params, ..] = search;
-        if matches!(kernel, Kernel::NeighboursHistogram | Kernel::NeighboursHistogramHashed) {
-            let all = count * k;
-            let unordered = device.scratch::<Neighbour>("neighbours, unordered", u64::from(all))?;
-            let windows = device.scratch::<u32>("neighbour windows", 2 * u64::from(count))?;
-            plan.each(kernel, count, &[&search[..], &[&unordered, &counts, &windows]].concat());
-            plan.each(Kernel::OrderNeighbours, all, &[params, &counts, &windows, &unordered, &neighbours]);
-        } else {
-            plan.each(kernel, count, &[&search[..], &[&neighbours, &counts]].concat());
-        }
-        Ok(Neighbours { neighbours, counts })
-    }
-
     /// Puts queries in the order of their cells.
     fn plan_search(
         &self,
@@ -327,33 +269,6 @@ impl PhotonMap {
         estimates(device, queries, |plan, query_buffer, count, out| {
             self.plan_irradiance(device, plan, query_buffer, count, k, gather, out)
         })
-    }
-
-    /// The `k` nearest photons of each query within the map's radius, nearest first, ties by index.
-    ///
-    /// # Errors
-    /// [`MapError::NotFinite`], [`MapError::K`], [`MapError::TooMany`], [`MapError::CutShort`] and [`MapError::Device`].
-    pub fn k_nearest(
-        &self,
-        device: &Device,
-        queries: &[Query],
-        k: u32,
-        gather: Gather,
-    ) -> Result<Vec<Vec<Neighbour>>, MapError> {
-        neighbours_kernel(gather, k, true, true)?;
-        let count = query_count(queries)?;
-        let query_buffer = device.upload("queries", queries)?;
-        let mut plan = Plan::new();
-        let found = self.plan_neighbours(device, &mut plan, &query_buffer, count, k, gather)?;
-        device.run(&plan)?;
-        let counts: Vec<u32> = device.read(&found.counts, u64::from(count))?;
-        whole(device, counts.iter().copied())?;
-        let neighbours: Vec<Neighbour> = device.read(&found.neighbours, u64::from(count) * u64::from(k))?;
-        Ok(counts
-            .iter()
-            .zip(neighbours.chunks(k as usize))
-            .map(|(&found, row)| row[..found as usize].to_vec())
-            .collect())
     }
 }
 

@@ -36,10 +36,10 @@ pub struct Part {
 }
 
 impl Part {
-    /// Whether it has case `number` of a set: every N-th, since cases that cost alike stand side by side.
-    #[must_use]
-    pub fn has(&self, number: usize) -> bool {
-        number as u64 % u64::from(self.of) == u64::from(self.number - 1)
+    /// The cases of a part, or all: every N-th, since cases that cost alike stand side by side.
+    pub fn share<T>(part: Option<Self>, cases: impl IntoIterator<Item = T>) -> impl Iterator<Item = T> {
+        let (first, step) = part.map_or((0, 1), |part| (part.number as usize - 1, part.of as usize));
+        cases.into_iter().skip(first).step_by(step)
     }
 }
 

@@ -1,7 +1,7 @@
 //! `caustic experiments`.
 
+use super::CasesArguments;
 use caustic_device::DeviceChoice;
-use caustic_renderer::Part;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -23,15 +23,8 @@ pub struct ExperimentsArguments {
     /// out, and the report lists them. 60 if not given, and 10 with --quick.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub patience: Option<f64>,
-    /// Measures part I of N, such as 3/8, into a folder of its own, on any machine of one kind: docs/farm.md.
-    #[arg(long, value_name = "I/N", conflicts_with = "report_only")]
-    pub part: Option<Part>,
-    /// Merges these folders, parts that were measured with otherwise the same arguments, into -o with the report, and measures nothing.
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["report_only", "part"])]
-    pub merge: Vec<PathBuf>,
-    /// Makes the report of the results that are there, and measures nothing.
-    #[arg(long)]
-    pub report_only: bool,
+    #[command(flatten)]
+    pub cases: CasesArguments,
     /// Lists the figures.
     #[arg(long)]
     pub list: bool,

@@ -1,8 +1,7 @@
 //! `caustic tradeoff`.
 
-use super::ShowArgument;
+use super::{CasesArguments, ShowArgument};
 use caustic_device::DeviceChoice;
-use caustic_renderer::Part;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -33,13 +32,6 @@ pub struct TradeoffArguments {
     /// Fewer points and smaller pictures: under three minutes on two cores.
     #[arg(long)]
     pub quick: bool,
-    /// Measures part I of N, such as 3/8, into a folder of its own, on any machine of one kind: docs/farm.md.
-    #[arg(long, value_name = "I/N", conflicts_with = "report_only")]
-    pub part: Option<Part>,
-    /// Merges these folders, parts that were measured with otherwise the same arguments, into -o with the report, and measures nothing.
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["report_only", "part"])]
-    pub merge: Vec<PathBuf>,
-    /// Makes the report of the results that are there, and measures nothing.
-    #[arg(long)]
-    pub report_only: bool,
+    #[command(flatten)]
+    pub cases: CasesArguments,
 }

@@ -19,8 +19,7 @@ impl<C: Key + Display> StoreOf<C> {
         let mut stores: Vec<(&PathBuf, Self)> = Vec::new();
         let mut holders: HashMap<C, &PathBuf> = HashMap::new();
         for part in parts {
-            let nothing = || format!("--merge {}: there are no results in this folder", part.display());
-            let store = Self::read(part).map_err(|error| error.unwrap_or_else(nothing))?;
+            let store = Self::existing("--merge", part)?;
             if let Some((first, of_first)) = stores.first() {
                 let same = |header: &Header| (header.machine.clone(), header.quick, header.part.map(|part| part.of));
                 if same(&store.header) != same(&of_first.header) {
@@ -108,8 +107,7 @@ mod tests {
         let cases: Vec<_> = (1..=7).map(|n| case(10 * n)).collect();
         let measured = |name: &str, machine: &Machine, part: Option<Part>, most: usize| {
             let mut store = Store::open(&at(name), machine, true, part, "caustic experiments").unwrap();
-            let mine = cases.iter().enumerate().filter(|(i, _)| part.is_none_or(|part| part.has(*i)));
-            for (i, case) in mine.take(most) {
+            for (i, case) in Part::share(part, cases.iter().enumerate()).take(most) {
                 store.add(case, values(&[("build_ms", i as f64)]), Some(format!("{i:x}"))).unwrap();
             }
         };

@@ -49,6 +49,12 @@ fn rows() -> Vec<Row> {
     offsets.iter().flat_map(|&z| offsets.map(|y| Row { y, z, least2: 0.0 })).collect()
 }
 
+/// A grid whose table has one entry, for searches within 1 m.
+fn one_entry(inverse_cell: f32, cells: [u32; 3], rows: &[Row]) -> Grid {
+    let (hash, rows) = (HASH_TESCHNER, rows.len() as u32);
+    Grid { inverse_cell, cells, hash, table: 1, radius2: 1.0, cell_width: 1.0, rows, ..Grid::default() }
+}
+
 #[test]
 fn heap_and_list_keep_the_first_k_in_order() {
     for seed in 0..20 {
@@ -146,16 +152,7 @@ fn cells_that_share_an_entry_give_each_photon_once() {
     let at = |i: u32| [(i % 4) as f32, (i / 4 % 4) as f32, (i / 16) as f32];
     let sites: Vec<_> = (0..40u32).map(|i| Site::new(at(i), i)).collect();
     let rows = rows();
-    let grid = Grid {
-        inverse_cell: 1.0,
-        cells: [4, 4, 3],
-        hash: HASH_TESCHNER,
-        table: 1,
-        radius2: 1.0,
-        cell_width: 1.0,
-        rows: rows.len() as u32,
-        ..Grid::default()
-    };
+    let grid = one_entry(1.0, [4, 4, 3], &rows);
     let mut heap = Heap::<65>::new();
     heap.reset(64, grid.radius2);
     let (none, begins) = (&(), [0, 40]);
@@ -184,16 +181,7 @@ fn an_estimate_reaches_to_the_first_photon_that_it_does_not_count() {
         Arrival::new(limbs(power), limbs(0.0), limbs(power * 1e-9), 0, 0)
     });
     let rows = rows();
-    let grid = Grid {
-        inverse_cell: 0.99,
-        cells: [1, 1, 1],
-        hash: HASH_TESCHNER,
-        table: 1,
-        radius2: 1.0,
-        cell_width: 1.0,
-        rows: rows.len() as u32,
-        ..Grid::default()
-    };
+    let grid = one_entry(0.99, [1, 1, 1], &rows);
     let estimate = |k: u32, queries: &[Query]| {
         let mut out = [(); 3].map(|()| vec![Irradiance { rgb: [9.0; 3], photons: 9 }; queries.len()]);
         let mut reaches = vec![Reach::default(); queries.len()];

@@ -32,8 +32,7 @@ pub fn run(
     store: &mut Store,
     watch: &mut dyn FnMut(Event) -> bool,
 ) -> Result<bool, String> {
-    let mine: Vec<_> =
-        points.iter().enumerate().filter(|(i, _)| part.is_none_or(|part| part.has(*i))).map(|(_, one)| one).collect();
+    let mine: Vec<_> = Part::share(part, points).collect();
     for (i, (case, point)) in mine.iter().enumerate() {
         if store.outcome(case).is_some() {
             continue;

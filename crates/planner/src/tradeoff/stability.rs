@@ -84,9 +84,9 @@ pub fn stability(
     watch: &mut dyn FnMut(Event) -> bool,
 ) -> Result<bool, String> {
     let gpu = exact.is_some_and(Device::is_gpu);
-    for (i, (trial, way)) in all(quick, gpu).into_iter().enumerate() {
+    for (trial, way) in Part::share(part, all(quick, gpu)) {
         let case = case(&trial, way);
-        if store.outcome(&case).is_some() || part.is_some_and(|part| !part.has(i)) {
+        if store.outcome(&case).is_some() {
             continue;
         }
         if !watch(Event::Begin(&case, 1.0)) {
