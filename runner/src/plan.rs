@@ -6,10 +6,11 @@ use crate::progress::Monitor;
 use crate::render::{failure, settings};
 use caustic_device::Device;
 use caustic_planner::{
-    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, explain, findings, settle,
+    Budget, Choice, Finding, Given, Line, Prediction, Quality, Scout, Survey, Surveyor, advice, explain, findings,
+    foresee, settle,
 };
 use caustic_renderer::scene::{CompiledScene, Scene};
-use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderReport, Settings, Stop};
+use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderError, RenderReport, Settings, Stop};
 use serde_json::{Value, json};
 
 /// Passes that a render which ends by something else is predicted with.
@@ -103,8 +104,10 @@ impl Planned {
         };
         // The stops of a budget are found again below.
         self.settings.stop = Stop::default();
-        let mut take = |near: &Settings| survey(arguments, scene, near, device, monitor);
-        let (survey, choice) = settle(&mut take, &self.compiled, &self.settings, given, budget, device)?;
+        let Self { compiled, settings, .. } = &*self;
+        let (survey, choice) = surveying(arguments, scene, device, monitor, |surveyor| {
+            settle(surveyor, compiled, settings, given, budget, device)
+        })?;
         let Choice { settings, prediction, met } = choice;
         let passes = settings.stop.passes;
         self.settings = settings;
@@ -133,8 +136,12 @@ impl Planned {
         if self.survey.is_some() {
             return Ok(());
         }
-        let survey = survey(arguments, scene, &self.settings, device, monitor)?;
-        self.prediction = Some(survey.predict(&self.compiled, &self.settings, passes(&self.settings), device));
+        let Self { compiled, settings, .. } = &*self;
+        let passes = passes(settings);
+        let survey = surveying(arguments, scene, device, monitor, |surveyor| {
+            foresee(surveyor, compiled, settings, passes, device)
+        })?;
+        self.prediction = Some(survey.predict(&self.compiled, &self.settings, passes, device));
         self.survey = Some(survey);
         Ok(())
     }
@@ -268,24 +275,25 @@ fn passes(settings: &Settings) -> u32 {
     })
 }
 
-fn survey(
+/// Lets a surveyor of the scene work, and leaves the device as it was.
+fn surveying<T>(
     arguments: &RenderArguments,
     scene: &Scene,
-    near: &Settings,
     device: &Device,
     monitor: &mut Monitor,
-) -> Result<Survey, Failure> {
+    work: impl FnOnce(&mut Surveyor<'_>) -> Result<T, RenderError>,
+) -> Result<T, Failure> {
     let mut done = 0;
     let mut go_on = || {
         done += 1;
         // How many small steps there are is not known: the bar shows that something happens.
         monitor.show(Progress { phase: "survey", done: done % 100, total: 100 })
     };
-    let costs = arguments.plan.costs.into();
-    let survey = caustic_planner::cache::survey(scene, near, device, costs, &mut go_on);
+    let scout = Scout::new(scene, device, arguments.plan.costs.into(), &mut go_on);
+    let worked = work(&mut Surveyor::new(scout, caustic_planner::cache::folder()));
     monitor.finish();
     device.reset_stage_times();
     device.trim();
     device.reset_peak_bytes();
-    survey.map_err(|error| failure(&error))
+    worked.map_err(|error| failure(&error))
 }

@@ -14,6 +14,10 @@ use caustic_renderer::{
     digest, render_across, write_part,
 };
 use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// A render that takes less shows no picture on its way.
+const SOON: Duration = Duration::from_secs(1);
 
 /// Renders a scene and writes the image.
 pub fn run(arguments: &RenderArguments) -> Result<(), Failure> {
@@ -132,7 +136,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
     }
     let plain = Extras { display, ..Extras::default() };
     let progress = &mut |progress| monitor.show(progress);
-    let mut shown = 0;
+    let (begun, mut shown) = (Instant::now(), 0);
     let rendered = render_across(scene, settings, &devices, given, progress, &mut |state| {
         let kept = |error: &dyn std::fmt::Display| RenderError::AfterPass(error.to_string());
         if let Some(checkpoint) = &checkpoint {
@@ -140,7 +144,7 @@ fn render(arguments: &RenderArguments, job: &Job, ranks: Option<&mut Ranks>) -> 
         }
         // A picture to look at while it gets better; the last pass is written at the end in any case.
         let passes = state.passes();
-        let wanted = passes.is_power_of_two() && passes > shown && how.part.is_none();
+        let wanted = passes.is_power_of_two() && passes > shown && how.part.is_none() && begun.elapsed() > SOON;
         if wanted && settings.stop.passes != Some(passes) && !single(settings) {
             shown = passes;
             let written = output::write_with(output, &state.image(), &metadata(passes), &plain);

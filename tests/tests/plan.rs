@@ -2,7 +2,7 @@
 
 use caustic_device::Device;
 use caustic_photon_map::{Nearest, Surface};
-use caustic_planner::{Budget, Costs, Given, Survey, choose, settle};
+use caustic_planner::{Budget, Costs, Given, Scout, Survey, Surveyor, choose, settle};
 use caustic_renderer::output::LayerKind;
 use caustic_renderer::scene::{BUILT_IN, Scene};
 use caustic_renderer::{Decision, ExpectedMap, Feature, Settings, Stop, decide, peak_bytes};
@@ -107,7 +107,9 @@ fn a_budget_is_kept_and_its_choice_does_not_depend_on_the_machine() {
     let cpu = Device::cpu();
     let settings = Settings { size: [64, 48], ..Settings::of(&scene) };
     let near = Settings { automatic_radius: true, ..settings.clone() };
-    let take = || Survey::take(&scene, &near, &cpu, Costs::BuiltIn, &mut || true).unwrap();
+    let mut go_on = || true;
+    let mut scout = Scout::new(&scene, &cpu, Costs::BuiltIn, &mut go_on);
+    let mut take = || Survey::take(&mut scout, &near).unwrap();
     let survey = take();
     assert_eq!(survey, take());
     let compiled = scene.compile();
@@ -129,9 +131,9 @@ fn a_budget_is_kept_and_its_choice_does_not_depend_on_the_machine() {
     assert_eq!((kept.settings.k, kept.settings.photons), (settings.k, settings.photons));
 
     // The noise that is foreseen is that of passes, within the goal of a factor of 1.5; and the memory within a tenth.
-    let mut take = |near: &Settings| Survey::take(&scene, near, &cpu, Costs::BuiltIn, &mut || true);
     let budget = Budget { error: Some(0.05), ..Budget::default() };
-    let (near, found) = settle(&mut take, &compiled, &settings, Given::default(), &budget, &cpu).unwrap();
+    let mut surveyor = Surveyor::new(scout, None);
+    let (near, found) = settle(&mut surveyor, &compiled, &settings, Given::default(), &budget, &cpu).unwrap();
     assert!(found.met && near.knows(&found.settings));
     let passes = Settings { stop: Stop { passes: Some(8), ..Stop::default() }, ..found.settings };
     cpu.reset_peak_bytes();

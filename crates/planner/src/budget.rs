@@ -1,12 +1,14 @@
 //! Settings for a budget of time, error or memory.
 
+use crate::cache::Surveyor;
 use crate::predict::Prediction;
+use crate::rehearsal::Rehearsal;
 use crate::survey::{Survey, within};
 use caustic_device::Device;
 use caustic_photon_map::Hash;
 use caustic_renderer::scene::CompiledScene;
 use caustic_renderer::scene::limits::{MAX_K, MAX_PHOTONS};
-use caustic_renderer::{ExpectedMap, Settings, Stop};
+use caustic_renderer::{ExpectedMap, RenderError, Settings, Stop};
 
 /// How good a picture shall be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +45,17 @@ pub struct Budget {
     pub seconds: Option<f64>,
     /// Bytes on the device.
     pub bytes: Option<u64>,
+}
+
+impl Budget {
+    /// Memory alone asks for a picture as good as it gets in the time that the settings would take without it.
+    fn with_time(&self, survey: &Survey, scene: &CompiledScene, settings: &Settings, device: &Device) -> Self {
+        if self.error.is_some() || self.seconds.is_some() {
+            return *self;
+        }
+        let passes = settings.stop.passes.unwrap_or(1);
+        Self { seconds: Some(survey.predict(scene, settings, passes, device).seconds), ..*self }
+    }
 }
 
 /// Which settings are not to be chosen.
@@ -96,12 +109,7 @@ pub fn choose(
         (24..=54).map(|i| 2f64.powf(f64::from(i) / 2.0) as u32).filter(|&n| n <= MAX_PHOTONS).collect();
     let pick = |is_given: bool, value: u32, all: &[u32]| if is_given { vec![value] } else { all.to_vec() };
     let ratio = f64::from(settings.caustic_photons) / f64::from(settings.photons.max(1));
-    // Memory alone: as good as it gets in the time that the settings would take without it.
-    let mut budget = *budget;
-    if budget.error.is_none() && budget.seconds.is_none() {
-        let passes = settings.stop.passes.unwrap_or(1);
-        budget.seconds = Some(survey.predict(scene, settings, passes, device).seconds);
-    }
+    let budget = budget.with_time(survey, scene, settings, device);
     let linear = matches!(settings.hash, Hash::Auto | Hash::Linear);
     let small = if linear && settings.table.is_none() { Some(SMALL_TABLE) } else { settings.table };
     let mut best: Option<Choice> = None;
@@ -134,34 +142,84 @@ pub fn choose(
 
 /// Surveys until what is chosen is near what was surveyed.
 const ROUNDS: usize = 4;
+/// Rehearsals until what is chosen is what was rehearsed, at the most.
+const REHEARSALS: usize = 4;
 
-/// [`choose`] with surveys near what is chosen: the first one is near `settings`, of automatic radius unless it is given. Returns the last survey
-/// and what is chosen by it.
+/// [`choose`] with surveys near what is chosen: the first one is near `settings`, of automatic radius unless it is given. What is chosen is rehearsed if
+/// that does not take long, and chosen again by what came. Returns the last survey and what is chosen by it.
 ///
 /// # Errors
-/// Those of `survey`.
-pub fn settle<E>(
-    survey: &mut dyn FnMut(&Settings) -> Result<Survey, E>,
+/// Those of renders.
+pub fn settle(
+    surveyor: &mut Surveyor<'_>,
     scene: &CompiledScene,
     settings: &Settings,
     given: Given,
     budget: &Budget,
     device: &Device,
-) -> Result<(Survey, Choice), E> {
+) -> Result<(Survey, Choice), RenderError> {
     let automatic_radius = !given.radius;
     let mut near = Settings { automatic_radius, ..settings.clone() };
-    let mut found = survey(&near)?;
-    let mut choice = choose(&found, scene, settings, given, budget, device);
+    let mut found = surveyor.survey(&near)?;
+    let pick = |survey: &Survey| choose(survey, scene, settings, given, budget, device);
+    let mut choice = pick(&found);
     for _ in 1..ROUNDS {
         if found.knows(&choice.settings) {
             break;
         }
         let Settings { photons, caustic_photons, k, .. } = choice.settings;
         near = Settings { photons, caustic_photons, k, ..near };
-        found = survey(&near)?;
-        choice = choose(&found, scene, settings, given, budget, device);
+        found = surveyor.survey(&near)?;
+        choice = pick(&found);
     }
+    let mut best: Option<(Survey, Choice)> = None;
+    for _ in 0..REHEARSALS {
+        let Prediction { seconds, pass_seconds, .. } = choice.prediction;
+        if !Rehearsal::is_worth_it(seconds, pass_seconds) {
+            break;
+        }
+        let rehearsal = surveyor.rehearsal(&choice.settings)?;
+        let corrected = found.corrected(scene, &choice.settings, &rehearsal, device);
+        let whole = budget.with_time(&corrected, scene, settings, device);
+        let same = Settings { stop: settings.stop, ..choice.settings.clone() };
+        let maps = corrected.maps(scene, &same);
+        let rehearsed = with_passes(&corrected, scene, same, &whole, device, maps);
+        choice = pick(&corrected);
+        let of_passes = |choice: &Choice| Settings { stop: settings.stop, ..choice.settings.clone() };
+        let settled = of_passes(&choice) == of_passes(&rehearsed);
+        if best.as_ref().is_none_or(|(_, best)| better(&rehearsed, best, &whole)) {
+            best = Some((corrected, rehearsed));
+        }
+        if settled {
+            break;
+        }
+    }
+    // What was rehearsed is known best.
+    let (found, choice) = best.unwrap_or((found, choice));
+    surveyor.warm_up(&choice.settings)?;
     Ok((found, choice))
+}
+
+/// A survey near settings that are not to be chosen, corrected by a rehearsal if that does not take long.
+///
+/// # Errors
+/// Those of renders.
+pub fn foresee(
+    surveyor: &mut Surveyor<'_>,
+    scene: &CompiledScene,
+    settings: &Settings,
+    passes: u32,
+    device: &Device,
+) -> Result<Survey, RenderError> {
+    let found = surveyor.survey(settings)?;
+    let Prediction { seconds, pass_seconds, .. } = found.predict(scene, settings, passes, device);
+    if !Rehearsal::is_worth_it(seconds, pass_seconds) {
+        surveyor.warm_up(settings)?;
+        return Ok(found);
+    }
+    let rehearsal = surveyor.rehearsal(settings)?;
+    surveyor.warm_up(settings)?;
+    Ok(found.corrected(scene, settings, &rehearsal, device))
 }
 
 /// With as many passes as the budget allows or needs.
@@ -174,7 +232,7 @@ fn with_passes(
     maps: [ExpectedMap; 2],
 ) -> Choice {
     let one = survey.predict_with(scene, &settings, 1, device, maps);
-    let fit = budget.seconds.map(|seconds| ((seconds - survey.setup_s) / one.pass_seconds).floor());
+    let fit = budget.seconds.map(|seconds| ((seconds - (one.seconds - one.pass_seconds)) / one.pass_seconds).floor());
     let needed = budget.error.map(|error| (one.noise / (error - one.bias).max(f64::MIN_POSITIVE)).ceil());
     let passes = match (settings.stop.passes, needed, fit) {
         (Some(passes), ..) => passes,

@@ -1,45 +1,90 @@
-//! Surveys that are kept, in the user's folder for caches: a file each, named by what it depends on.
+//! Surveys and rehearsals, which are kept in the user's folder for caches: a file each, named by what it depends on.
 
-use crate::survey::{Costs, Survey};
-use caustic_device::Device;
-use caustic_renderer::scene::Scene;
-use caustic_renderer::{RenderError, Settings};
+use crate::rehearsal::Rehearsal;
+use crate::scout::Scout;
+use crate::survey::Survey;
+use caustic_renderer::{RenderError, Settings, Stop};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Version of the files.
-const FORMAT: u32 = 4;
+const FORMAT: u32 = 5;
 
 #[derive(Serialize, Deserialize)]
-struct File {
+struct File<T> {
     /// What it depends on, for people and against accidents.
     of: String,
-    survey: Survey,
+    found: T,
 }
 
-/// The survey of a scene near some settings: a kept one, or a new one that is kept. Whether it could be kept does not matter.
-///
-/// # Errors
-/// Those of [`Survey::take`].
-pub fn survey(
-    scene: &Scene,
-    settings: &Settings,
-    device: &Device,
-    costs: Costs,
-    go_on: &mut dyn FnMut() -> bool,
-) -> Result<Survey, RenderError> {
-    let of = identity(scene, settings, device, costs);
-    let path = folder().map(|folder| file(&folder, &of));
-    if let Some(survey) = path.as_deref().and_then(|path| read(path, &of)) {
-        return Ok(survey);
+/// Who surveys and rehearses, and knows what is kept.
+pub struct Surveyor<'a> {
+    scout: Scout<'a>,
+    folder: Option<PathBuf>,
+    /// Whether anything had to be rendered.
+    rendered: bool,
+}
+
+impl<'a> Surveyor<'a> {
+    /// Keeps what is found in `folder`, if there is one. Whether it could be kept does not matter.
+    #[must_use]
+    pub fn new(scout: Scout<'a>, folder: Option<PathBuf>) -> Self {
+        Self { scout, folder, rendered: false }
     }
-    let survey = Survey::take(scene, settings, device, costs, go_on)?;
-    if let Some(path) = path {
-        keep(&path, &of, &survey);
+
+    /// The survey of the scene near some settings.
+    ///
+    /// # Errors
+    /// Those of [`Survey::take`].
+    pub fn survey(&mut self, near: &Settings) -> Result<Survey, RenderError> {
+        // Where passes end, and how many samples there are, it does not depend on.
+        let near = Settings { spp: 0, stop: Stop::default(), ..near.clone() };
+        self.kept("survey", &near, Survey::take)
     }
-    Ok(survey)
+
+    /// The rehearsal of some settings.
+    ///
+    /// # Errors
+    /// Those of [`Rehearsal::take`].
+    pub fn rehearsal(&mut self, settings: &Settings) -> Result<Rehearsal, RenderError> {
+        self.kept("rehearsal", &Settings { stop: Stop::default(), ..settings.clone() }, Rehearsal::take)
+    }
+
+    /// Renders a few pixels with `settings`, if nothing that was asked for was rendered: a render's time is foreseen for kernels that are loaded, and
+    /// threads and memory that are there.
+    ///
+    /// # Errors
+    /// Those of renders.
+    pub fn warm_up(&mut self, settings: &Settings) -> Result<(), RenderError> {
+        if !self.rendered {
+            self.rendered = true;
+            self.scout.plain(&Settings { size: [8, 8], ..settings.clone() }, 1)?;
+        }
+        Ok(())
+    }
+
+    /// What is kept of some settings, or what `take` finds.
+    fn kept<T: Serialize + DeserializeOwned>(
+        &mut self,
+        what: &str,
+        settings: &Settings,
+        take: fn(&mut Scout<'a>, &Settings) -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
+        let of = format!("{what} {}", identity(&self.scout, settings));
+        let path = self.folder.as_deref().map(|folder| file(folder, &of));
+        if let Some(found) = path.as_deref().and_then(|path| read(path, &of)) {
+            return Ok(found);
+        }
+        self.rendered = true;
+        let found = take(&mut self.scout, settings)?;
+        if let Some(path) = path {
+            keep(&path, &of, &found);
+        }
+        Ok(found)
+    }
 }
 
 /// Where surveys are kept; nowhere if the system has no folder for it.
@@ -54,26 +99,26 @@ fn file(folder: &Path, of: &str) -> PathBuf {
     folder.join(format!("{name}.json"))
 }
 
-/// A kept survey. What cannot be read is as good as none.
-fn read(path: &Path, of: &str) -> Option<Survey> {
-    let file: File = serde_json::from_str(&fs::read_to_string(path).ok()?).ok()?;
-    (file.of == of).then_some(file.survey)
+/// What is kept. What cannot be read is as good as nothing.
+fn read<T: DeserializeOwned>(path: &Path, of: &str) -> Option<T> {
+    let file: File<T> = serde_json::from_str(&fs::read_to_string(path).ok()?).ok()?;
+    (file.of == of).then_some(file.found)
 }
 
-fn keep(path: &Path, of: &str, survey: &Survey) {
-    let file = File { of: of.to_string(), survey: survey.clone() };
+fn keep<T: Serialize>(path: &Path, of: &str, found: &T) {
+    let file = File { of: of.to_string(), found };
     let Ok(text) = serde_json::to_string(&file) else { return };
     let kept = path.parent().map(fs::create_dir_all).transpose();
     // A cache that cannot be written is no cache, and no harm.
     let _ = kept.map_err(|error| error.to_string()).and_then(|_| caustic_bench::record::write(path, &text));
 }
 
-/// Everything that a survey depends on.
-fn identity(scene: &Scene, settings: &Settings, device: &Device, costs: Costs) -> String {
+/// Everything that what is found depends on.
+fn identity(scout: &Scout<'_>, settings: &Settings) -> String {
+    let Scout { scene, device, costs, .. } = *scout;
     let [width, height] = settings.size;
     let digest = |bytes: &[u8]| Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
-    let near =
-        Settings { seed: 0, spp: 0, layers: Vec::new(), stop: Default::default(), health: false, ..settings.clone() };
+    let near = Settings { seed: 0, layers: Vec::new(), health: false, ..settings.clone() };
     format!(
         "{FORMAT} caustic {} {} exact {} threads {} {costs:?} scene {} camera {} {near:?}",
         env!("CARGO_PKG_VERSION"),
@@ -88,39 +133,46 @@ fn identity(scene: &Scene, settings: &Settings, device: &Device, costs: Costs) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scout::Costs;
+    use caustic_device::Device;
+    use caustic_renderer::scene::Scene;
 
     #[test]
-    fn a_survey_is_kept_for_what_it_depends_on_and_for_nothing_else() {
+    fn what_is_found_is_kept_for_what_it_depends_on_and_for_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
-        let survey = Survey {
-            emitted: [1.0, 2.0],
-            stored: [0.5; 2],
-            positions: [vec![[0.1, 0.2, 0.3]], Vec::new()],
-            k: [1.0, 4.0, 16.0],
-            radius: 0.1,
-            setup_s: 0.25,
-            photons: Default::default(),
-            entry_s: 1e-9,
-            image_s: 0.125,
-            sample_s: [1e-6; 3],
-            sample_noise: [0.5, 0.25],
-            photon_noise: [0.1, 0.2, 0.3],
-            blur: [1e-5, 2e-5],
-        };
+        let found = Rehearsal { first_s: 0.25, pass_s: 0.125, photon_noise: 0.1 };
         let path = file(&folder.path().join("new"), "this");
-        assert_eq!(read(&path, "this"), None);
-        keep(&path, "this", &survey);
-        assert_eq!(read(&path, "this"), Some(survey));
-        assert_eq!(read(&path, "that"), None);
+        assert_eq!(read::<Rehearsal>(&path, "this"), None);
+        keep(&path, "this", &found);
+        assert_eq!(read(&path, "this"), Some(found));
+        assert_eq!(read::<Rehearsal>(&path, "that"), None);
         fs::write(&path, "rubbish").unwrap();
-        assert_eq!(read(&path, "this"), None);
+        assert_eq!(read::<Rehearsal>(&path, "this"), None);
 
         let (scene, device) = (Scene::load("plane").unwrap(), Device::cpu());
         let settings = Settings::of(&scene);
-        let of = |settings: &Settings, costs| identity(&scene, settings, &device, costs);
+        let of = |settings: &Settings, costs| identity(&Scout::new(&scene, &device, costs, &mut || true), settings);
         let first = of(&settings, Costs::Measured);
         assert_eq!(first, of(&Settings { seed: 7, ..settings.clone() }, Costs::Measured));
         assert_ne!(first, of(&Settings { k: 7, ..settings.clone() }, Costs::Measured));
         assert_ne!(first, of(&settings, Costs::BuiltIn));
+    }
+
+    #[test]
+    fn a_survey_does_not_depend_on_samples_and_a_rehearsal_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let (scene, device) = (Scene::load("plane").unwrap(), Device::cpu());
+        let files = || fs::read_dir(folder.path()).unwrap().count();
+        let mut go_on = || true;
+        let scout = Scout::new(&scene, &device, Costs::BuiltIn, &mut go_on);
+        let mut surveyor = Surveyor::new(scout, Some(folder.path().to_path_buf()));
+        let settings = Settings { size: [16, 12], ..Settings::of(&scene) };
+        let more = Settings { spp: settings.spp + 1, ..settings.clone() };
+        assert_eq!(surveyor.survey(&settings).unwrap(), surveyor.survey(&more).unwrap());
+        assert_eq!(files(), 1);
+        surveyor.rehearsal(&settings).unwrap();
+        surveyor.rehearsal(&more).unwrap();
+        surveyor.rehearsal(&more).unwrap();
+        assert_eq!(files(), 3);
     }
 }

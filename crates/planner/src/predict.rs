@@ -85,21 +85,23 @@ impl Survey {
         // Photons in a disc beside those in one of the survey, where all have as many to choose from.
         let of = usize::from(self.emitted[0] == 0.0);
         let dense = (maps[of].emitted.max(1.0) / self.emitted[of].max(1.0)).max(1e-9);
-        let (mut seconds, mut noise, mut sample_noise, mut blur) = (self.setup_s, 0.0, 0.0, 0.0);
+        let correction = &self.correction;
+        let setup_s = (self.setup_s + correction.setup_s).max(0.0);
+        let (mut seconds, mut noise, mut sample_noise, mut blur) = (setup_s, 0.0, 0.0, 0.0);
         let n = f64::from(passes.max(1));
         let held_back = |map: &ExpectedMap| settings.table.is_some_and(|most| map.table > 0.5 * f64::from(most));
         let search = if maps.iter().any(held_back) { COARSE_CELLS } else { 1.0 };
         for pass in 0..passes.max(1) {
             let disc = k * self.shrink(settings, pass);
-            seconds += fixed + samples * self.sample_s(disc) * search;
+            seconds += correction.pass * (fixed + samples * self.sample_s(disc) * search);
             sample_noise += self.sample_noise(settings.spp);
-            noise += self.photon_noise(disc);
+            noise += correction.photon_noise * self.photon_noise(disc);
             blur += self.blur(disc / dense).sqrt();
         }
         Prediction {
             passes,
             seconds,
-            pass_seconds: (seconds - self.setup_s) / n,
+            pass_seconds: (seconds - setup_s) / n,
             bytes: peak_bytes(scene, settings, maps, device),
             noise: (noise + sample_noise) / (n * n),
             sample_noise: sample_noise / (n * n),
@@ -155,11 +157,20 @@ impl Survey {
         (from + slope * (disc - near)).max(0.25 * self.sample_s[0])
     }
 
-    /// Noise of all but photons. Samples of a pixel are stratified, so that up to four it falls faster than as one over their number.
+    /// Noise of all but photons: a line between the logarithms of what was measured, since stratified samples lose it faster than as one over
+    /// their number, but rare bright ones do not; as one over their number beyond.
     fn sample_noise(&self, spp: u32) -> f64 {
-        let [one, four] = self.sample_noise;
-        let spp = f64::from(spp);
-        if four <= 0.0 || spp >= 4.0 { four * 4.0 / spp } else { one * (four / one).powf(spp.log(4.0)) }
+        let [first, second, last] = self.sample_noise;
+        let (n, [least, middle, most]) = (f64::from(spp), self.samples);
+        if last <= 0.0 || n >= most {
+            return last * most / n;
+        }
+        let (from, to, [a, b]) =
+            if n < middle { (least, middle, [first, second]) } else { (middle, most, [second, last]) };
+        if a <= 0.0 || b <= 0.0 {
+            return a.max(b);
+        }
+        a * (b / a).powf((n / from).ln() / (to / from).ln())
     }
 
     /// Noise from photons: a/k + b through what was measured by least squares of relative errors. b is what photons have no part in, such as
@@ -205,7 +216,7 @@ impl Survey {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::survey::Work;
+    use crate::survey::{Correction, Work};
     use caustic_renderer::scene::Scene;
 
     fn survey() -> Survey {
@@ -220,9 +231,11 @@ mod tests {
             entry_s: 0.0,
             image_s: 0.2,
             sample_s: [1e-6, 2e-6, 4e-6],
-            sample_noise: [0.8, 0.1],
+            samples: [1.0, 4.0, 32.0],
+            sample_noise: [0.8, 0.1, 0.01],
             photon_noise: [0.11, 0.035, 0.01625],
             blur: [1e-6, 1e-6 * 16.0],
+            correction: Correction::default(),
         }
     }
 

@@ -2,17 +2,19 @@
 //!
 //! A small render has fewer photons, and discs that are larger by as much: an estimate then sums as many photons, so it costs as much and is
 //! as noisy. Three numbers of photons in a disc, a factor of four apart, say how time, noise and bias depend on it; seeds tell noise
-//! from bias; a render of an eighth the size tells what does not depend on size.
+//! from bias; a render of an eighth the size tells what does not depend on size. Light that is not from photons is looked at in pixels as small as
+//! those of the picture, since edges, which are most of its noise, are a larger part of a small one.
 
-use crate::pilot::{Pilot, pilot};
-use caustic_device::Device;
+mod noise;
+
+use crate::scout::{Pilot, Scout, of_maps};
 use caustic_photon_map::{Hash, MAX_K, RADII, most_entries};
-use caustic_renderer::scene::Scene;
 use caustic_renderer::scene::limits::MAX_SIDE;
-use caustic_renderer::{Integrator, PhotonFile, RenderError, Settings, Show};
+use caustic_renderer::{Integrator, RenderError, Settings, Show};
+use noise::Expected;
 use serde::{Deserialize, Serialize};
 
-pub use crate::pilot::Costs;
+pub(crate) use noise::{Seeds, noise_of_maps};
 
 /// Photons of a small render for both maps together.
 const CPU_PHOTONS: f64 = 49_152.0;
@@ -20,10 +22,13 @@ const GPU_PHOTONS: f64 = 1_048_576.0;
 /// Pixels of a small render.
 const CPU_PIXELS: f64 = 3072.0;
 const GPU_PIXELS: f64 = 131_072.0;
-/// Camera samples of its pixels.
+/// Pixels of what is not from photons, at the most.
+const CPU_DIRECT_PIXELS: f64 = 20_480.0;
+/// Camera samples of a small render's pixels.
 const SPP: u32 = 4;
-/// Camera samples of what is not from photons, where it has to be known well.
-const MANY: u32 = 64;
+/// Numbers of camera samples whose noise is looked at. The last shows rare bright samples that few do not meet.
+const CPU_SAMPLES: [u32; 3] = [1, 4, 32];
+const GPU_SAMPLES: [u32; 3] = [1, 4, 256];
 /// How much smaller the smallest render is.
 const TINY: f64 = 8.0;
 /// Positions of photons that are kept of a map.
@@ -31,10 +36,7 @@ const POSITIONS: usize = 1024;
 /// Ratio of the numbers of photons in a disc.
 const STEP: u32 = 4;
 /// Seeds of small renders: of no picture that anyone asks for.
-const SEEDS: [u32; 3] = [0x51de_0001, 0x51de_0002, 0x51de_0003];
-
-/// The same render with each seed.
-type Seeds = [Pilot; 3];
+pub(crate) const SEEDS: [u32; 3] = [0x51de_0001, 0x51de_0002, 0x51de_0003];
 
 /// Work that takes `fixed` seconds and `each` seconds for each item.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -85,12 +87,33 @@ pub struct Survey {
     pub image_s: f64,
     /// A camera sample with each number of photons in a disc, s.
     pub sample_s: [f64; 3],
-    /// relMSE of one pass from all but the photons, with one camera sample a pixel and with four.
-    pub sample_noise: [f64; 2],
+    /// Three numbers of camera samples.
+    pub samples: [f64; 3],
+    /// relMSE of one pass from all but the photons, with each of them.
+    pub sample_noise: [f64; 3],
     /// relMSE from photons, with each number of them in a disc.
     pub photon_noise: [f64; 3],
     /// Mean square of how much pictures of neighbouring numbers of photons in a disc differ but for noise, as relMSE.
     pub blur: [f64; 2],
+    /// How far all this is off where a render was rehearsed.
+    pub correction: Correction,
+}
+
+/// What a rehearsal says of a survey.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Correction {
+    /// More time until the first photon, s; it may be less than none.
+    pub setup_s: f64,
+    /// Factor of the time of a pass.
+    pub pass: f64,
+    /// Factor of the noise of photons.
+    pub photon_noise: f64,
+}
+
+impl Default for Correction {
+    fn default() -> Self {
+        Self { setup_s: 0.0, pass: 1.0, photon_noise: 1.0 }
+    }
 }
 
 impl Survey {
@@ -98,20 +121,15 @@ impl Survey {
     /// if it is automatic.
     ///
     /// # Errors
-    /// Those of renders; [`RenderError::Interrupted`] if `go_on` returns false.
-    pub fn take(
-        scene: &Scene,
-        settings: &Settings,
-        device: &Device,
-        costs: Costs,
-        go_on: &mut dyn FnMut() -> bool,
-    ) -> Result<Self, RenderError> {
-        let mut small = reduced(settings, device.is_gpu());
+    /// Those of renders; [`RenderError::Interrupted`] if the scout is not to go on.
+    pub fn take(scout: &mut Scout<'_>, settings: &Settings) -> Result<Self, RenderError> {
+        let gpu = scout.device.is_gpu();
+        let mut small = reduced(settings, gpu);
         let discs = discs(settings.k);
         let shrunk = f64::from(settings.photons.max(1)) / f64::from(small.photons.max(1));
         small.k = discs[1];
         if settings.automatic_radius {
-            small.radius = enough(scene, &small, device, go_on)?;
+            small.radius = enough(scout, &small)?;
         } else {
             // As many photons within it, and as many more as the middle disc has.
             let wider = (shrunk * f64::from(discs[1]) / f64::from(settings.k.max(1))).sqrt();
@@ -132,45 +150,55 @@ impl Survey {
             let table = if scatters { settings.table } else { cells(shrunk * TINY) };
             Settings { photons, caustic_photons, size, radius, table, ..small.clone() }
         };
-        let positions = positions(scene, &small, device, go_on)?;
+        let positions = scout.positions(&small, POSITIONS)?;
         // The first one waits for the driver to compile, and for memory.
-        pilot(scene, &Settings { seed: SEEDS[0], ..tiny.clone() }, device, costs, go_on)?;
-        let few = pilot(scene, &Settings { seed: SEEDS[1], ..tiny.clone() }, device, costs, go_on)?;
-        let mut seeds = |settings: &Settings| -> Result<Seeds, RenderError> {
-            let [a, b, c] =
-                SEEDS.map(|seed| pilot(scene, &Settings { seed, ..settings.clone() }, device, costs, go_on));
-            Ok([a?, b?, c?])
-        };
+        scout.pilot(&Settings { seed: SEEDS[0], ..tiny.clone() })?;
+        let few = scout.pilot(&Settings { seed: SEEDS[1], ..tiny.clone() })?;
         let mut pilots = Vec::new();
         for (i, k) in discs.into_iter().enumerate() {
             let radius = within(f64::from(small.radius) * f64::from(STEP).sqrt().powi(i as i32 - 1));
-            pilots.push(seeds(&Settings { k, radius, ..small.clone() })?);
+            pilots.push(seeds(scout, &Settings { k, radius, ..small.clone() })?);
         }
-        let single = seeds(&Settings { spp: 1, ..small.clone() })?;
-        let of_maps = matches!(settings.integrator, Integrator::Photon | Integrator::Progressive);
-        let direct = Settings { show: Show::Direct, spp: MANY, seed: SEEDS[0], ..small.clone() };
-        let many = (of_maps && settings.show == Show::Beauty).then(|| pilot(scene, &direct, device, costs, go_on));
-        let many = many.transpose()?;
-        Ok(conclude(&few, &pilots, &single, many.as_ref(), [&tiny, &small], discs, positions))
+        let direct = of_samples(scout, settings, &small)?;
+        Ok(conclude(&few, &pilots, direct.as_deref(), [&tiny, &small], discs, samples(gpu), positions))
     }
 }
 
-/// Where the first photons of each map lie.
-fn positions(
-    scene: &Scene,
+/// Numbers of camera samples whose noise is looked at.
+fn samples(gpu: bool) -> [u32; 3] {
+    if gpu { GPU_SAMPLES } else { CPU_SAMPLES }
+}
+
+/// The same render with each seed.
+pub(crate) fn seeds(scout: &mut Scout<'_>, settings: &Settings) -> Result<Seeds, RenderError> {
+    let [a, b, c] = SEEDS.map(|seed| scout.pilot(&Settings { seed, ..settings.clone() }));
+    Ok([a?, b?, c?])
+}
+
+/// Two seeds of what is not from photons for each of three numbers of camera samples, with pixels as small as those of the picture; none if all is from photons.
+fn of_samples(
+    scout: &mut Scout<'_>,
+    settings: &Settings,
     small: &Settings,
-    device: &Device,
-    go_on: &mut dyn FnMut() -> bool,
-) -> Result<[Vec<[f32; 3]>; 2], RenderError> {
-    let mut positions = [Vec::new(), Vec::new()];
-    if matches!(small.integrator, Integrator::Photon | Integrator::Progressive) {
-        let traced = PhotonFile::trace(scene, small, device, &mut |_| go_on())?;
-        for (map, photons) in traced.header.maps.iter().zip(&traced.photons) {
-            let of = usize::from(map.map == "caustic");
-            positions[of] = photons.iter().take(POSITIONS).map(|photon| photon.position).collect();
-        }
+) -> Result<Option<Vec<[Pilot; 2]>>, RenderError> {
+    let of_maps = of_maps(settings);
+    if of_maps && !matches!(settings.show, Show::Beauty | Show::Direct) {
+        return Ok(None);
     }
-    Ok(positions)
+    // Paths take too long for more than a small picture.
+    let most = match (of_maps || settings.integrator == Integrator::Direct, scout.device.is_gpu()) {
+        (_, true) => GPU_PIXELS,
+        (true, false) => CPU_DIRECT_PIXELS,
+        (false, false) => CPU_PIXELS,
+    };
+    let show = if of_maps { Show::Direct } else { settings.show };
+    let direct = Settings { size: scaled(settings.size, most), show, ..small.clone() };
+    let numbers = samples(scout.device.is_gpu());
+    let of = |spp| -> Result<[Pilot; 2], RenderError> {
+        let [a, b] = [SEEDS[0], SEEDS[1]].map(|seed| scout.pilot(&Settings { spp, seed, ..direct.clone() }));
+        Ok([a?, b?])
+    };
+    numbers.into_iter().map(of).collect::<Result<_, _>>().map(Some)
 }
 
 /// The settings of the small renders.
@@ -179,18 +207,20 @@ fn reduced(settings: &Settings, gpu: bool) -> Settings {
     let most = if gpu { GPU_PHOTONS } else { CPU_PHOTONS };
     let share = (most / all.max(1.0)).min(1.0);
     let fewer = |photons: u32| (f64::from(photons) * share).ceil() as u32;
-    let [width, height] = settings.size.map(f64::from);
-    let pixels = if gpu { GPU_PIXELS } else { CPU_PIXELS };
-    // No larger than what is asked for: edges, which are most of the noise of few samples, are a larger part of a small picture.
-    let scale = (pixels / (width * height)).sqrt().min(1.0);
-    let side = |length: f64| ((length * scale).round() as u32).clamp(1, MAX_SIDE);
     Settings {
-        size: [side(width), side(height)],
+        size: scaled(settings.size, if gpu { GPU_PIXELS } else { CPU_PIXELS }),
         photons: fewer(settings.photons).max(1),
         caustic_photons: fewer(settings.caustic_photons),
         spp: SPP,
         ..settings.clone()
     }
+}
+
+/// A picture's size, with at most so many pixels.
+fn scaled(size: [u32; 2], most: f64) -> [u32; 2] {
+    let [width, height] = size.map(f64::from);
+    let scale = (most / (width * height)).sqrt().min(1.0);
+    [width, height].map(|length| ((length * scale).round() as u32).clamp(1, MAX_SIDE))
 }
 
 /// Three numbers of photons in a disc, around `k`.
@@ -201,14 +231,8 @@ fn discs(k: u32) -> [u32; 3] {
 }
 
 /// A radius within which estimates of small renders find their photons; the scene's own if that cannot be found.
-fn enough(
-    scene: &Scene,
-    small: &Settings,
-    device: &Device,
-    go_on: &mut dyn FnMut() -> bool,
-) -> Result<f32, RenderError> {
-    let found = pilot(scene, &Settings { automatic_radius: true, ..small.clone() }, device, Costs::BuiltIn, go_on);
-    match found {
+fn enough(scout: &mut Scout<'_>, small: &Settings) -> Result<f32, RenderError> {
+    match scout.plain(&Settings { automatic_radius: true, ..small.clone() }, 1) {
         Ok(found) => Ok(found.report.radius_m),
         Err(RenderError::NoRadius { .. }) => Ok(small.radius),
         Err(error) => Err(error),
@@ -220,15 +244,15 @@ pub(crate) fn within(radius: f64) -> f32 {
     (radius as f32).clamp(*RADII.start(), *RADII.end())
 }
 
-/// What is to be learnt from small renders: one of `tiny` settings, and `small` ones for each number of photons in a disc, and
-/// those of a `single` sample a pixel; `many` samples say what is not from photons.
+/// What is to be learnt from small renders: one of `tiny` settings, `small` ones for each number of photons in a disc, and those of what is
+/// not from photons.
 fn conclude(
     few: &Pilot,
     pilots: &[Seeds],
-    single: &Seeds,
-    many: Option<&Pilot>,
+    direct: Option<&[[Pilot; 2]]>,
     [tiny, small]: [&Settings; 2],
     discs: [u32; 3],
+    spp: [u32; 3],
     positions: [Vec<[f32; 3]>; 2],
 ) -> Survey {
     let all = || pilots.iter().flatten();
@@ -249,10 +273,17 @@ fn conclude(
     let entries = maps[0][2] + maps[1][2];
     let image = |i: usize| pilots[i].iter().map(|pilot| pilot.image_s).fold(f64::INFINITY, f64::min);
     let image_s = Work::through((samples(tiny), few.image_s), (samples(small), image(1))).fixed;
-    let expected = expected(&pilots[2], many);
-    let noise = [0, 1, 2].map(|i| noise(&pilots[i], &expected));
-    let direct = noise.iter().map(|[all, photons]| (all - photons).max(0.0)).sum::<f64>() / 3.0;
-    let [all, photons_alone] = self::noise(single, &expected);
+    // Light of the largest discs is the least noisy.
+    let of_maps = Expected::mean(&pilots[2], true);
+    let (expected, sample_noise) = match direct {
+        Some(direct) => {
+            let light = Expected::of_two(&direct[2]);
+            let image = &direct[0][0].image;
+            let all = of_maps.resized([image.width, image.height]).plus(&light);
+            (light.resized(small.size).plus(&of_maps), [0, 1, 2].map(|i| all.noise_of_two(&direct[i])))
+        }
+        None => (of_maps, [0.0; 3]),
+    };
     Survey {
         emitted: maps.map(|map| map[0]),
         stored: maps.map(|[emitted, stored, _]| if emitted > 0.0 { stored / emitted } else { 0.0 }),
@@ -264,55 +295,23 @@ fn conclude(
         entry_s: if entries > 0.0 { middle(&|pilot| pilot.tables_s) / entries } else { 0.0 },
         image_s,
         sample_s: [0, 1, 2].map(|i| (image(i) - image_s).max(0.0) / samples(small)),
-        sample_noise: [(all - photons_alone).max(direct), direct],
-        photon_noise: noise.map(|[_, photons]| photons),
-        blur: [0, 1].map(|step| blur([&pilots[step], &pilots[step + 1]], &expected)),
+        samples: spp.map(f64::from),
+        sample_noise: by_more_samples(spp, sample_noise),
+        photon_noise: [0, 1, 2].map(|i| expected.noise_of_maps(&pilots[i])),
+        blur: [0, 1].map(|step| expected.blur([&pilots[step], &pilots[step + 1]])),
+        correction: Correction::default(),
     }
 }
 
-/// Two seeds that differ.
-const PAIRS: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
-
-/// A channel of a pixel, and the part of it that is from photon maps.
-fn values(pilot: &Pilot, i: usize) -> [f64; 2] {
-    [pilot.image.rgb.as_flattened()[i], pilot.indirect.as_flattened()[i]].map(f64::from)
+/// Noise of few samples is that of many, times how many fewer they are, or more, since samples are stratified: many of them know better of rare
+/// bright ones.
+fn by_more_samples(samples: [u32; 3], [first, second, last]: [f64; 3]) -> [f64; 3] {
+    let [a, b, c] = samples.map(f64::from);
+    let second = second.max(last * c / b);
+    [first.max(second * b / a), second, last]
 }
 
-/// What each channel of each pixel is expected to be: the mean light of the largest discs, the least noisy, and the rest by many camera samples. By a
-/// picture's own noise, a bright speck would be set against itself, and count little.
-fn expected(largest: &Seeds, many: Option<&Pilot>) -> Vec<f64> {
-    let mean = |i: usize, part: usize| largest.iter().map(|pilot| values(pilot, i)[part]).sum::<f64>() / 3.0;
-    let channel = |i: usize| match many {
-        Some(many) => values(many, i)[0] + mean(i, 1),
-        None => mean(i, 0),
-    };
-    (0..3 * largest[0].image.rgb.len()).map(channel).collect()
-}
-
-/// The mean of `of` two seeds and a channel over all, relative to the square of what is expected, as in [`caustic_metrics::relmse`].
-fn relative(expected: &[f64], of: impl Fn([usize; 2], usize) -> f64) -> f64 {
-    let one = |(i, expected): (usize, &f64)| {
-        let sum: f64 = PAIRS.iter().map(|pair| of(*pair, i)).sum();
-        sum / (expected * expected + caustic_metrics::EPSILON)
-    };
-    expected.iter().enumerate().map(one).sum::<f64>() / (3 * expected.len()) as f64
-}
-
-/// relMSE of one picture from noise, and the part of it from photon maps: half the mean square difference of two seeds.
-fn noise(seeds: &Seeds, expected: &[f64]) -> [f64; 2] {
-    [0, 1].map(|part| {
-        relative(expected, |[a, b], i| (values(&seeds[a], i)[part] - values(&seeds[b], i)[part]).powi(2) / 2.0)
-    })
-}
-
-/// Mean product of the differences that two seeds see between neighbouring discs: noise of two seeds is independent, so that it has no part
-/// in it.
-fn blur([less, more]: [&Seeds; 2], expected: &[f64]) -> f64 {
-    let differs = |seed: usize, i: usize| values(&more[seed], i)[1] - values(&less[seed], i)[1];
-    relative(expected, |[a, b], i| differs(a, i) * differs(b, i))
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or_default()
 }
@@ -330,6 +329,13 @@ mod tests {
         assert_eq!(Work::through((10.0, 2.0), (110.0, 1.0)), Work { fixed: 1.0, each: 0.0 });
         assert_eq!(Work::through((10.0, 0.0), (100.0, 5.0)), Work { fixed: 0.0, each: 0.05 });
         assert_eq!(Work::through((0.0, 0.0), (0.0, 0.0)), Work::default());
+    }
+
+    #[test]
+    fn rare_bright_samples_count_for_few_samples_too() {
+        assert_eq!(by_more_samples([1, 4, 64], [0.9, 0.1, 1e-3]), [0.9, 0.1, 1e-3]);
+        assert_eq!(by_more_samples([1, 4, 64], [0.9, 0.1, 0.01]), [0.9, 0.16, 0.01]);
+        assert_eq!(by_more_samples([1, 4, 64], [0.1, 0.1, 0.125]), [8.0, 2.0, 0.125]);
     }
 
     #[test]

@@ -1,9 +1,9 @@
-//! A small render with a clock: what surveys are made of.
+//! Renders with a clock, most of them small: what surveys are made of.
 
 use caustic_device::Device;
 use caustic_renderer::output::{Image, Layer, LayerKind};
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{Integrator, Progress, RenderError, RenderReport, Settings, Show, Stop, render};
+use caustic_renderer::{Integrator, PhotonFile, Progress, RenderError, RenderReport, Settings, Show, Stop, render};
 use std::time::Instant;
 
 /// Built-in costs, s: about those of two cores of a server of 2024. With them a survey depends on the scene alone.
@@ -31,7 +31,7 @@ pub enum Costs {
     BuiltIn,
 }
 
-/// A small render.
+/// A render, of one pass if its times are to mean something each.
 pub(crate) struct Pilot {
     pub(crate) image: Image,
     /// What photon maps add to it; black for an integrator without.
@@ -47,29 +47,71 @@ pub(crate) struct Pilot {
     pub(crate) image_s: f64,
 }
 
-/// Renders one pass of `settings`.
-pub(crate) fn pilot(
-    scene: &Scene,
-    settings: &Settings,
-    device: &Device,
-    costs: Costs,
-    go_on: &mut dyn FnMut() -> bool,
-) -> Result<Pilot, RenderError> {
-    let mut settings = settings.clone();
-    let of_maps = matches!(settings.integrator, Integrator::Photon | Integrator::Progressive);
-    settings.layers = match settings.show {
-        _ if !of_maps => Vec::new(),
-        Show::Beauty => vec![LayerKind::Global, LayerKind::Caustic],
-        Show::Global | Show::MapGlobal => vec![LayerKind::Global],
-        Show::Caustic | Show::MapCaustic => vec![LayerKind::Caustic],
-        Show::Direct => Vec::new(),
-    };
-    settings.stop = Stop { passes: Some(1), ..Stop::default() };
+impl Pilot {
+    /// All of it, s.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.setup_s + self.map_s.iter().sum::<f64>() + self.tables_s + self.image_s
+    }
+}
+
+/// Who renders pilots.
+pub struct Scout<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) device: &'a Device,
+    pub(crate) costs: Costs,
+    go_on: &'a mut dyn FnMut() -> bool,
+}
+
+impl<'a> Scout<'a> {
+    /// Of a scene on a device; [`RenderError::Interrupted`] ends what it does if `go_on` returns false.
+    pub fn new(scene: &'a Scene, device: &'a Device, costs: Costs, go_on: &'a mut dyn FnMut() -> bool) -> Self {
+        Self { scene, device, costs, go_on }
+    }
+
+    /// Renders one pass of `settings`, and what photon maps add to it.
+    pub(crate) fn pilot(&mut self, settings: &Settings) -> Result<Pilot, RenderError> {
+        let layers = match settings.show {
+            _ if !of_maps(settings) => Vec::new(),
+            Show::Beauty => vec![LayerKind::Global, LayerKind::Caustic],
+            Show::Global | Show::MapGlobal => vec![LayerKind::Global],
+            Show::Caustic | Show::MapCaustic => vec![LayerKind::Caustic],
+            Show::Direct => Vec::new(),
+        };
+        self.plain(&Settings { layers, ..settings.clone() }, 1)
+    }
+
+    /// Renders passes of `settings` as they are: their light of photon maps is not known by itself, and takes no time.
+    pub(crate) fn plain(&mut self, settings: &Settings, passes: u32) -> Result<Pilot, RenderError> {
+        let stop = Stop { passes: Some(passes), ..Stop::default() };
+        run(self, &Settings { stop, ..settings.clone() })
+    }
+
+    /// Where the first photons of each map lie, m.
+    pub(crate) fn positions(&mut self, settings: &Settings, most: usize) -> Result<[Vec<[f32; 3]>; 2], RenderError> {
+        let mut positions = [Vec::new(), Vec::new()];
+        if of_maps(settings) {
+            let traced = PhotonFile::trace(self.scene, settings, self.device, &mut |_| (self.go_on)())?;
+            for (map, photons) in traced.header.maps.iter().zip(&traced.photons) {
+                let of = usize::from(map.map == "caustic");
+                positions[of] = photons.iter().take(most).map(|photon| photon.position).collect();
+            }
+        }
+        Ok(positions)
+    }
+}
+
+/// Whether a render has photon maps.
+pub(crate) fn of_maps(settings: &Settings) -> bool {
+    matches!(settings.integrator, Integrator::Photon | Integrator::Progressive)
+}
+
+fn run(scout: &mut Scout<'_>, settings: &Settings) -> Result<Pilot, RenderError> {
+    let Scout { scene, device, costs, ref mut go_on } = *scout;
     device.reset_stage_times();
     let clock = Instant::now();
     // When each phase began: of the global map, of the caustic one, and of the image.
     let mut begun = [None; 3];
-    let rendered = render(scene, &settings, device, &mut |Progress { phase, .. }| {
+    let rendered = render(scene, settings, device, &mut |Progress { phase, .. }| {
         let phase = ["global photons", "caustic photons", "image"].iter().position(|name| *name == phase);
         if let Some(begun) = phase.and_then(|phase| begun.get_mut(phase)) {
             begun.get_or_insert(clock.elapsed().as_secs_f64());
@@ -96,7 +138,7 @@ pub(crate) fn pilot(
         report: rendered.report,
     };
     if costs == Costs::BuiltIn {
-        count(&mut pilot, &settings);
+        count(&mut pilot, settings);
     }
     Ok(pilot)
 }
