@@ -21,8 +21,8 @@ fn a_plan_explains_each_decision_and_foresees_what_it_takes() {
     {
         assert!(shown.stdout.contains(part), "no {part} in {}", shown.stdout);
     }
-    // The survey is kept: the second plan is the first, to the last digit of its times.
-    assert!(fs::read_dir(folder.path().join("cache/caustic/surveys")).unwrap().count() == 1);
+    // Survey and rehearsal are kept: the second plan is the first, to the last digit of its times.
+    assert_eq!(fs::read_dir(folder.path().join("cache/caustic/surveys")).unwrap().count(), 2);
     assert_eq!(plan(&folder, &arguments).stdout, shown.stdout);
     let value = json(&plan(&folder, &[&arguments[..], &["--json", "--quiet"]].concat()).stdout);
     assert_eq!(value["settings"]["photons"], 20000);

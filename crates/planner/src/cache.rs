@@ -9,9 +9,13 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Version of the files.
-const FORMAT: u32 = 5;
+const FORMAT: u32 = 6;
+
+/// How long a GPU works until it has reached its clock.
+const WARM: Duration = Duration::from_millis(100);
 
 #[derive(Serialize, Deserialize)]
 struct File<T> {
@@ -53,15 +57,17 @@ impl<'a> Surveyor<'a> {
         self.kept("rehearsal", &Settings { stop: Stop::default(), ..settings.clone() }, Rehearsal::take)
     }
 
-    /// Renders a few pixels with `settings`, if nothing that was asked for was rendered: a render's time is foreseen for kernels that are loaded, and
-    /// threads and memory that are there.
+    /// Renders a few pixels with `settings`, if nothing that was asked for was rendered: a render's time is foreseen for kernels that are loaded, for
+    /// threads and memory that are there, and for a GPU that has reached its clock.
     ///
     /// # Errors
     /// Those of renders.
     pub fn warm_up(&mut self, settings: &Settings) -> Result<(), RenderError> {
-        if !self.rendered {
-            self.rendered = true;
-            self.scout.plain(&Settings { size: [8, 8], ..settings.clone() }, 1)?;
+        let begun = Instant::now();
+        let few = Settings { size: [8, 8], ..settings.clone() };
+        while !self.rendered {
+            self.scout.plain(&few, 1)?;
+            self.rendered = !self.scout.device.is_gpu() || begun.elapsed() > WARM;
         }
         Ok(())
     }
@@ -140,7 +146,7 @@ mod tests {
     #[test]
     fn what_is_found_is_kept_for_what_it_depends_on_and_for_nothing_else() {
         let folder = tempfile::tempdir().unwrap();
-        let found = Rehearsal { first_s: 0.25, pass_s: 0.125, photon_noise: 0.1 };
+        let found = Rehearsal { first_s: 0.25, pass_s: 0.125, photon_noise: 0.1, blur: 0.01, step: 4.0 };
         let path = file(&folder.path().join("new"), "this");
         assert_eq!(read::<Rehearsal>(&path, "this"), None);
         keep(&path, "this", &found);

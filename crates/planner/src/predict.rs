@@ -96,7 +96,7 @@ impl Survey {
             seconds += correction.pass * (fixed + samples * self.sample_s(disc) * search);
             sample_noise += self.sample_noise(settings.spp);
             noise += correction.photon_noise * self.photon_noise(disc);
-            blur += self.blur(disc / dense).sqrt();
+            blur += (correction.blur * self.blur(disc / dense)).sqrt();
         }
         Prediction {
             passes,
@@ -198,15 +198,21 @@ impl Survey {
         }
     }
 
-    /// relMSE from blur with discs of so many photons among those of the survey. The mean difference between discs grows as a power of their
-    /// photons: 1 where the irradiance is curved, and a quarter at edges, whose blurred border grows as the disc's radius. Less than that is a survey's noise.
-    fn blur(&self, disc: f64) -> f64 {
+    /// The power of its photons with which a disc's blur grows: 1 where the irradiance is curved, and a quarter at edges, whose blurred border grows as
+    /// the disc's radius. Less than that is a survey's noise.
+    pub(crate) fn blur_power(&self) -> f64 {
         let [less, more] = self.blur.map(|blur| blur.max(0.0));
+        let step = self.k[2] / self.k[1];
+        if less > 0.0 && more > 0.0 { ((more / less).ln() / (2.0 * step.ln())).clamp(0.25, 1.0) } else { 0.5 }
+    }
+
+    /// relMSE from blur with discs of so many photons among those of the survey.
+    fn blur(&self, disc: f64) -> f64 {
+        let more = self.blur[1].max(0.0);
         if more == 0.0 {
             return 0.0;
         }
-        let step = self.k[2] / self.k[1];
-        let power = if less > 0.0 { ((more / less).ln() / (2.0 * step.ln())).clamp(0.25, 1.0) } else { 0.5 };
+        let (step, power) = (self.k[2] / self.k[1], self.blur_power());
         // Of the largest disc: what it differs by from the middle one, and that from none.
         let largest = more / (1.0 - step.powf(-power)).powi(2);
         largest * (disc / self.k[2]).powf(2.0 * power)

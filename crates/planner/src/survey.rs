@@ -14,7 +14,7 @@ use caustic_renderer::{Integrator, RenderError, Settings, Show};
 use noise::Expected;
 use serde::{Deserialize, Serialize};
 
-pub(crate) use noise::{Seeds, noise_of_maps};
+pub(crate) use noise::{Seeds, noise_and_blur};
 
 /// Photons of a small render for both maps together.
 const CPU_PHOTONS: f64 = 49_152.0;
@@ -34,7 +34,7 @@ const TINY: f64 = 8.0;
 /// Positions of photons that are kept of a map.
 const POSITIONS: usize = 1024;
 /// Ratio of the numbers of photons in a disc.
-const STEP: u32 = 4;
+pub(crate) const STEP: u32 = 4;
 /// Seeds of small renders: of no picture that anyone asks for.
 pub(crate) const SEEDS: [u32; 3] = [0x51de_0001, 0x51de_0002, 0x51de_0003];
 
@@ -108,11 +108,13 @@ pub struct Correction {
     pub pass: f64,
     /// Factor of the noise of photons.
     pub photon_noise: f64,
+    /// Factor of the relMSE from blur.
+    pub blur: f64,
 }
 
 impl Default for Correction {
     fn default() -> Self {
-        Self { setup_s: 0.0, pass: 1.0, photon_noise: 1.0 }
+        Self { setup_s: 0.0, pass: 1.0, photon_noise: 1.0, blur: 1.0 }
     }
 }
 
