@@ -212,7 +212,7 @@ fn an_output_that_is_not_the_recorded_kernels_is_refused() {
     let input: Vec<u32> = (0..400).collect();
     let observe = |output: &[u32]| {
         let buffers = [input.as_slice(), output];
-        let stage = Observed { stage: "copy", kernel: Kernel::CopyQuads, groups: 1, buffers: &buffers };
+        let stage = Observed { stage: "copy", kernel: Kernel::CopyQuads, known: 0, groups: 1, buffers: &buffers };
         catch_unwind(AssertUnwindSafe(|| Recorder::new(32).observe(&stage)))
     };
     assert!(observe(&input).is_ok());
