@@ -51,7 +51,10 @@ fn check(scene: &str, json: bool) -> Result<(), Failure> {
     println!("  extent     {:?} to {:?} m", found.low, found.high);
     println!("  memory     {:.1} MiB on a device", found.bytes as f64 / f64::from(1 << 20));
     let known: Vec<_> = found.kernels.iter().map(|feature| feature.title()).collect();
-    println!("  kernels    {}", if known.is_empty() { "basic".to_string() } else { format!("with {}", known.join(", ")) });
+    println!(
+        "  kernels    {}",
+        if known.is_empty() { "basic".to_string() } else { format!("with {}", known.join(", ")) }
+    );
     for note in &found.notes {
         println!("note: {note}");
     }

@@ -3,8 +3,8 @@
 use caustic_device::{Device, Kernel, Plan};
 use caustic_kernels::layout::Query;
 use caustic_kernels::trace::{
-    BLOCKED, BvhNode, Camera, CameraTile, Corners, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT, OCTANTS,
-    Primitive, SceneInfo, Slabs, Texel, Texture, Vertex, intersect, octant,
+    ALL, BLOCKED, BvhNode, Camera, CameraTile, Corners, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT,
+    OCTANTS, Only, Primitive, SceneInfo, Slabs, Texel, Texture, Vertex, intersect, octant,
 };
 use caustic_renderer::scene::CompiledScene;
 use caustic_tests::gpu;

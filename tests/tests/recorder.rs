@@ -174,7 +174,7 @@ fn recorded_kernels_write_what_the_fast_ones_write() {
             }
         }
     }
-    // All kinds of pictures: of a scene that takes the basic kernels and of one that takes the full ones.
+    // All kinds of pictures: of a scene that asks little of kernels and of one that asks more.
     for name in ["cornell", "cornell-glossy"] {
         let scene = renders::load(name);
         let small = Settings { size: [12, 9], ..renders::small(&scene) };

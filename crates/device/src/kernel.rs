@@ -79,7 +79,7 @@ macro_rules! kernels {
             }
 
             /// Its SPIR-V, as `cargo xtask shaders` made it.
-            pub(crate) fn spirv(self, precision: Precision) -> &'static [u8] {
+            fn spirv(self, precision: Precision) -> &'static [u8] {
                 match (self, precision) {
                     $(
                         (Self::$name, Precision::Exact) => {
@@ -90,6 +90,12 @@ macro_rules! kernels {
                         }
                     )*
                 }
+            }
+
+            /// Its SPIR-V as words.
+            pub(crate) fn words(self, precision: Precision) -> Vec<u32> {
+                let bytes = self.spirv(precision).chunks_exact(4);
+                bytes.map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
             }
 
             /// The kernel whose entry point is called so.

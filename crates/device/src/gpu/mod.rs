@@ -4,6 +4,7 @@
 //! loaded by passthrough, which Vulkan alone offers. Where it is missing, the fast kernels take the ordinary, portable path.
 
 mod adapters;
+mod branches;
 mod memory;
 mod passthrough;
 mod pipelines;

@@ -1,6 +1,6 @@
 //! The embedded SPIR-V, and the pipelines made of it.
 
-use super::{Gpu, passthrough, specialise};
+use super::{Gpu, branches, passthrough, specialise};
 use crate::kernel::{Access, Kernel, Masked};
 use crate::{Error, Result};
 use serde::Deserialize;
@@ -74,9 +74,7 @@ impl Gpu {
 
     /// The module of a kernel, with its mask as a constant: word for word, or translated where that is not possible.
     fn load(&self, Masked { kernel, known }: Masked) -> wgpu::ShaderModule {
-        let spirv = kernel.spirv(self.precision);
-        let words: Vec<_> = spirv.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-        let words = specialise::with(&words, known);
+        let words = branches::without_unreachable(specialise::with(&kernel.words(self.precision), known));
         if !self.portable {
             return passthrough::load(&self.device, kernel, words);
         }

@@ -127,7 +127,8 @@ pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
 /// Follows a path through mirrors and glass to the first diffuse surface: where that is, and what the path knows of it.
 #[inline]
 pub(super) fn first_diffuse(
-    known: impl Known, rng: Rng,
+    known: impl Known,
+    rng: Rng,
     mut origin: Vec3,
     mut direction: Vec3,
     info: &SceneInfo,

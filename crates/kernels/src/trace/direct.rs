@@ -73,7 +73,8 @@ pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
             if geometry > 0.0 {
                 let except = light.primitive;
                 let blocker = occluded(
-                    known, origin,
+                    known,
+                    origin,
                     direction,
                     glimpse.distance,
                     except,

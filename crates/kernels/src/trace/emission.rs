@@ -60,7 +60,8 @@ pub fn light_of_photon(index: u32, info: &SceneInfo, lights: &Input<Light>) -> u
 #[inline]
 #[must_use]
 pub fn emit(
-    known: impl Known, index: u32,
+    known: impl Known,
+    index: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
     lights: &Input<Light>,

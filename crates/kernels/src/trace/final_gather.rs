@@ -89,8 +89,7 @@ pub fn trace_gather<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
             let origin = leave(Vec3::from_array(query.position), side, &primitive);
             let rng = Rng { seed: tile.seed, stream: STREAM ^ (number << 8), index: pixel };
             (found, seen) = first_diffuse(
-                known,
-                rng, origin, direction, info, nodes, primitives, materials, lights, corners, textures, texels,
+                known, rng, origin, direction, info, nodes, primitives, materials, lights, corners, textures, texels,
             );
             let enters = entrance(known, &materials[primitive.material as usize], dot(direction, normal));
             seen.weight = (Vec3::from_array(seen.weight) * enters).to_array();

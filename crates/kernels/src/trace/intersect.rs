@@ -46,7 +46,8 @@ pub struct Hit {
 #[inline]
 #[must_use]
 pub fn closest_hit(
-    known: impl Known, origin: Vec3,
+    known: impl Known,
+    origin: Vec3,
     direction: Vec3,
     info: &SceneInfo,
     nodes: &Input<BvhNode>,
@@ -99,7 +100,8 @@ pub fn closest_hit(
 #[inline]
 #[must_use]
 pub fn occluded(
-    known: impl Known, origin: Vec3,
+    known: impl Known,
+    origin: Vec3,
     direction: Vec3,
     distance: f32,
     except: u32,

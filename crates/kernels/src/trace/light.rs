@@ -108,7 +108,14 @@ pub fn light_point(known: impl Known, light: &Light, u: f32, v: f32) -> Vec3 {
 /// Texture coordinates of the point (u, v) of a flat light that has a texture.
 #[inline]
 #[must_use]
-pub(super) fn place_on_light(known: impl Known, light: &Light, u: f32, v: f32, info: &SceneInfo, corners: &Input<Corners>) -> [f32; 2] {
+pub(super) fn place_on_light(
+    known: impl Known,
+    light: &Light,
+    u: f32,
+    v: f32,
+    info: &SceneInfo,
+    corners: &Input<Corners>,
+) -> [f32; 2] {
     if light.texture == NO_TEXTURE {
         return [0.0; 2];
     }
@@ -133,7 +140,8 @@ pub(super) fn place_on_light(known: impl Known, light: &Light, u: f32, v: f32, i
 #[inline]
 #[must_use]
 pub(super) fn emission_at(
-    known: impl Known, light: &Light,
+    known: impl Known,
+    light: &Light,
     uv: [f32; 2],
     textures: &Input<Texture>,
     texels: &Input<Texel>,
@@ -164,7 +172,8 @@ pub fn spot_falloff(light: &Light, direction: Vec3) -> f32 {
 #[inline]
 #[must_use]
 pub fn look(
-    known: impl Known, light: &Light,
+    known: impl Known,
+    light: &Light,
     from: Vec3,
     u: f32,
     v: f32,

@@ -106,8 +106,8 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
             let place = [draw[0], draw[1], draw[2]];
             let index = primitive.material;
             let lit = next_event::<false>(
-                known,                 direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes, primitives,
-                materials, lights, corners, textures, texels,
+                known, direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes,
+                primitives, materials, lights, corners, textures, texels,
             );
             radiance += throughput * lit.0;
             vertex.rays += lit.1;

@@ -89,7 +89,8 @@ pub fn count_photons<
     if i < pass.paths {
         let path = pass.first + i;
         let walked = walk(
-            known, path,
+            known,
+            path,
             pass,
             info,
             nodes,
@@ -141,9 +142,7 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
                 photons.set(place + n, photon);
             }
         };
-        walk(
-            known, path, pass, info, nodes, primitives, materials, lights, targets, corners, textures, texels, keep,
-        );
+        walk(known, path, pass, info, nodes, primitives, materials, lights, targets, corners, textures, texels, keep);
     }
 }
 
@@ -287,7 +286,8 @@ fn walk<F: FnMut(u32, Photon)>(
                 let into = direction;
                 direction = sample_cosine(side, draw[2], draw[3]);
                 let cos_out = dot(direction, surface.facing(surface.shading, into));
-                weight = albedo_diffuse(known, &material, cos_out) * div(entrance(known, &material, cos_seen), 1.0 - chance);
+                weight =
+                    albedo_diffuse(known, &material, cos_out) * div(entrance(known, &material, cos_seen), 1.0 - chance);
                 diffuse_bounces += 1;
             } else {
                 // What is left of the number is uniform again.

@@ -66,7 +66,8 @@ impl Surface {
 #[inline]
 #[must_use]
 pub fn surface_at(
-    known: impl Known, origin: Vec3,
+    known: impl Known,
+    origin: Vec3,
     direction: Vec3,
     hit: Hit,
     info: &SceneInfo,
@@ -151,7 +152,8 @@ pub(super) fn is_hole(
 #[inline]
 #[must_use]
 pub fn surface_of(
-    known: impl Known, origin: Vec3,
+    known: impl Known,
+    origin: Vec3,
     direction: Vec3,
     hit: Hit,
     info: &SceneInfo,
@@ -213,7 +215,13 @@ fn tangent_at(index: u32, info: &SceneInfo, primitive: &Primitive, corners: &Inp
 /// comes to lie behind the other wall.
 #[inline]
 #[must_use]
-pub(super) fn point_of(known: impl Known, origin: Vec3, direction: Vec3, t: f32, primitive: &Primitive) -> (Vec3, Vec3) {
+pub(super) fn point_of(
+    known: impl Known,
+    origin: Vec3,
+    direction: Vec3,
+    t: f32,
+    primitive: &Primitive,
+) -> (Vec3, Vec3) {
     let position = Vec3::from_array(primitive.position);
     let point = origin + direction * t;
     if primitive.kind == PRIMITIVE_SPHERE {
@@ -258,7 +266,8 @@ fn usable(shading: Vec3, normal: Vec3, d: Vec3) -> Vec3 {
 #[inline]
 #[must_use]
 pub fn material_at(
-    known: impl Known, index: u32,
+    known: impl Known,
+    index: u32,
     uv: [f32; 2],
     materials: &Input<Material>,
     textures: &Input<Texture>,

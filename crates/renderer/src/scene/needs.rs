@@ -44,9 +44,39 @@ fn has_an_inside(content: &Content, materials: &[Material], i: usize) -> bool {
     let Substance::Dielectric(Glass { absorption, .. }) = content.materials[surface.material] else { return false };
     let Shape::Sphere { centre, radius } = surface.shape else { return true };
     let rough = materials[surface.material].kind == MATERIAL_ROUGH_DIELECTRIC;
-    let within = |(low, high): (glam::DVec3, glam::DVec3)| {
-        centre.clamp(low, high).distance(centre) < radius * (1.0 - TOUCHING)
-    };
+    let within =
+        |(low, high): (glam::DVec3, glam::DVec3)| centre.clamp(low, high).distance(centre) < radius * (1.0 - TOUCHING);
     let others = content.surfaces.iter().enumerate().filter(|&(j, _)| j != i);
     rough || absorption != glam::DVec3::ZERO || others.map(|(_, other)| other.bounds()).any(within)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    /// What is in a ball of glass is seen through it; what touches it from outside is not in it.
+    #[test]
+    fn a_closed_ball_of_clear_glass_has_an_inside_only_if_something_is_in_it() {
+        let needs = |glass: &str, rest: &str| {
+            let text = format!(
+                "[camera]\nposition=[0,1,6]\ntarget=[0,1,0]\nvertical_fov_degrees=40\n\
+                 [materials.white]\nkind='lambertian'\nreflectance=[0.8,0.8,0.8]\n\
+                 [materials.glass]\nkind='dielectric'\nior=1.5\n{glass}\
+                 [[quads]]\ncorner=[-3,0,3]\nedge_u=[6,0,0]\nedge_v=[0,0,-6]\nmaterial='white'\n\
+                 [[spheres]]\ncentre=[0,1,0]\nradius=1\nmaterial='glass'\n\
+                 [[lights]]\nkind='point'\nposition=[0,4,0]\nintensity=[9,9,9]\n{rest}"
+            );
+            Scene::parse("test.toml", &text).unwrap().compile().needs
+        };
+        let ball = |x: f64, radius: f64, material: &str| {
+            format!("[[spheres]]\ncentre=[{x},1,0]\nradius={radius}\nmaterial='{material}'\n")
+        };
+        assert_eq!(needs("", ""), 0);
+        assert_eq!(needs("", &ball(1.5, 0.5, "white")), 0);
+        for more in [ball(0.0, 0.5, "white"), ball(0.0, 0.9, "glass"), ball(1.5, 0.6, "white")] {
+            assert_eq!(needs("", &more), MEDIA, "{more}");
+        }
+        assert_eq!(needs("roughness=0.5\n", ""), MEDIA | GLOSS);
+    }
 }

@@ -1,8 +1,8 @@
 //! Each sampler of lights, lenses and directions against its density and its inverse.
 
 use super::*;
-use crate::trace::ALL;
 use crate::num::{pcg4d, u32_to_unit};
+use crate::trace::ALL;
 use crate::trace::chi_square::{limit, of_directions, of_disc, on_sphere};
 use crate::trace::sky::{sample_sky, sky_density, sky_place};
 use crate::trace::vector::{cosine_density, invert_cosine, sample_cosine};

@@ -1,8 +1,8 @@
 //! Tests of surfaces.
 
 use super::*;
-use crate::trace::ALL;
 use crate::num::pcg4d;
+use crate::trace::ALL;
 use crate::trace::vector::{pack_direction, reflect};
 use crate::trace::{PRIMITIVE_TRIANGLE, WRAP_REPEAT};
 
