@@ -201,7 +201,7 @@ fn a_ray_that_does_not_come_to_its_end_is_lost() {
         let mut plan = Plan::new();
         let scene = [&info, &nodes, &primitives, &materials, &lights, &corners, &textures, &texels];
         let buffers = [&[&tile, &camera], &scene[..], &[&queries, &vertices]].concat();
-        plan.each(Kernel::TraceCamera, 1, &buffers);
+        plan.each(Kernel::TraceCamera.knowing(0), 1, &buffers);
         device.run(&plan).unwrap();
         let found: Vec<Vertex> = device.read(&vertices, 1).unwrap();
         assert_eq!(found[0].primitive, if limits_loops(device) { LOST } else { 0 }, "{}", device.name());
