@@ -353,17 +353,14 @@ fn speed(report: &RenderReport) -> Option<String> {
     for map in &report.maps {
         photons += passes * u64::from(map.photons_emitted);
         for walk in ["count_photons", "store_photons"] {
-            // A scene that is more than basic has kernels of its own.
-            if let Some(ms) = ["", "_full"].iter().find_map(|kind| stage(&format!("{}/{walk}{kind}", map.map))) {
+            if let Some(ms) = stage(&format!("{}/{walk}", map.map)) {
                 rays += passes * map.segments;
                 photon_ms += ms;
             }
         }
     }
-    let camera_ms: f64 = ["trace_camera", "trace_camera_full", "shade_direct", "shade_direct_full"]
-        .into_iter()
-        .filter_map(|s| stage(&format!("image/{s}")))
-        .sum();
+    let camera_ms: f64 =
+        ["trace_camera", "shade_direct"].into_iter().filter_map(|s| stage(&format!("image/{s}"))).sum();
     let millions = |count: u64, ms: f64| format!("{:.1} million", count as f64 / ms / 1e3);
     let image = format!("{} rays/s of the image", millions(report.camera_rays, camera_ms));
     (camera_ms > 0.0).then(|| {

@@ -50,7 +50,11 @@ fn check(scene: &str, json: bool) -> Result<(), Failure> {
     }
     println!("  extent     {:?} to {:?} m", found.low, found.high);
     println!("  memory     {:.1} MiB on a device", found.bytes as f64 / f64::from(1 << 20));
-    println!("  kernels    {}", if found.full { "full" } else { "basic" });
+    let known: Vec<_> = found.kernels.iter().map(|feature| feature.title()).collect();
+    println!(
+        "  kernels    {}",
+        if known.is_empty() { "basic".to_string() } else { format!("with {}", known.join(", ")) }
+    );
     for note in &found.notes {
         println!("note: {note}");
     }

@@ -49,6 +49,20 @@ macro_rules! entry_points {
         }
         entry_points! { $($rest)* }
     };
+    (masked $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident;
+     $($rest:tt)*) => {
+        #[spirv(compute(threads($lanes)))]
+        pub fn $entry(
+            #[spirv(workgroup_id)] group: UVec3,
+            #[spirv(num_workgroups)] groups: UVec3,
+            #[spirv(local_invocation_id)] lane: UVec3,
+            #[spirv(spec_constant(id = 1, default = 63))] known: u32,
+            $(#[spirv(storage_buffer, descriptor_set = 0, binding = $b)] $arg: buffer!($access $t)),*
+        ) {
+            $module::$body(Told(known), (group.y * groups.x + group.x) * $lanes + lane.x, $($arg),*);
+        }
+        entry_points! { $($rest)* }
+    };
     (batch($registers:ty) $name:ident = $entry:ident [$lanes:tt] ($($b:tt $arg:ident: $access:ident $t:ty),*)
      = $module:ident::$body:ident; $($rest:tt)*) => {
         #[spirv(compute(threads($lanes)))]

@@ -3,8 +3,8 @@
 use caustic_device::{Device, Kernel, Plan};
 use caustic_kernels::layout::Query;
 use caustic_kernels::trace::{
-    BLOCKED, BvhNode, Camera, CameraTile, Corners, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT, OCTANTS,
-    Primitive, SceneInfo, Slabs, Texel, Texture, Vertex, intersect, octant,
+    ALL, BLOCKED, BvhNode, Camera, CameraTile, Corners, INNER, LEAF_BITS, LOST, Light, MISS, Material, NO_LIGHT,
+    OCTANTS, Only, Primitive, SceneInfo, Slabs, Texel, Texture, Vertex, intersect, octant,
 };
 use caustic_renderer::scene::CompiledScene;
 use caustic_tests::gpu;
@@ -22,7 +22,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
     for _ in 0..rays {
         let (origin, direction) = ray(&mut random, scene, side, last);
         let expected = linear(origin, direction, &scene.primitives);
-        let found = closest::<false>(scene, nodes, origin, direction);
+        let found = closest(Only::<0>, scene, nodes, origin, direction);
         let mut same = (found.t.to_bits(), found.primitive) == (expected.t.to_bits(), expected.primitive);
         // Shadow rays that end before, at, and after something.
         let distance = expected.t.min(side) * [0.5, 1.0, 1.000_001, 3.0][random.below(4) as usize];
@@ -31,7 +31,7 @@ fn compare(scene: &CompiledScene, nodes: &[BvhNode], rays: u32, seed: u32) -> (u
             let t = intersect(origin, direction, primitive);
             i != except && t > 0.0 && t < distance
         });
-        let shadow = shadow::<false>(scene, nodes, [origin, direction], distance, except);
+        let shadow = shadow(Only::<0>, scene, nodes, [origin, direction], distance, except);
         same &= shadow == if blocked { BLOCKED } else { MISS };
         differ += u32::from(!same);
         met += u32::from(expected.primitive != MISS);
@@ -144,7 +144,7 @@ fn the_cost_of_a_ray_grows_like_a_tree() {
             while at < end {
                 let node = scene.nodes[at as usize];
                 visited += 1;
-                if !slabs.meet::<true>(&node, best) {
+                if !slabs.meet(ALL, &node, best) {
                     at = node.skip;
                     continue;
                 }
@@ -156,7 +156,7 @@ fn the_cost_of_a_ray_grows_like_a_tree() {
                 }
                 at += 1;
             }
-            assert_eq!(best, closest::<true>(&scene, &scene.nodes, origin, direction).t);
+            assert_eq!(best, closest(ALL, &scene, &scene.nodes, origin, direction).t);
         }
         [visited, tested].map(|sum| f64::from(sum) / f64::from(RAYS))
     };
@@ -201,7 +201,7 @@ fn a_ray_that_does_not_come_to_its_end_is_lost() {
         let mut plan = Plan::new();
         let scene = [&info, &nodes, &primitives, &materials, &lights, &corners, &textures, &texels];
         let buffers = [&[&tile, &camera], &scene[..], &[&queries, &vertices]].concat();
-        plan.each(Kernel::TraceCamera, 1, &buffers);
+        plan.each(Kernel::TraceCamera.knowing(0), 1, &buffers);
         device.run(&plan).unwrap();
         let found: Vec<Vertex> = device.read(&vertices, 1).unwrap();
         assert_eq!(found[0].primitive, if limits_loops(device) { LOST } else { 0 }, "{}", device.name());

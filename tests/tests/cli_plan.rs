@@ -16,9 +16,14 @@ fn a_plan_explains_each_decision_and_foresees_what_it_takes() {
     let arguments = ["plan", "cornell", "--device", "cpu", "--size", "32x32", "--photons", "20000", "--spp", "2"];
     let shown = plan(&folder, &arguments);
     assert_eq!(shown.code, Some(0), "{shown:?}");
-    for part in
-        ["caustic map      yes", "basic kernels", "tree             list", "asked for", "foreseen: ", "MiB at the most"]
-    {
+    for part in [
+        "caustic map      yes",
+        "textures         no",
+        "tree             list",
+        "asked for",
+        "foreseen: ",
+        "MiB at the most",
+    ] {
         assert!(shown.stdout.contains(part), "no {part} in {}", shown.stdout);
     }
     // Survey and rehearsal are kept: the second plan is the first, to the last digit of its times.
@@ -43,7 +48,7 @@ fn a_budget_chooses_what_is_not_given_and_the_same_everywhere() {
     let actual = value["peak_bytes"].as_f64().unwrap();
     let ratio = value["plan"]["prediction"]["bytes"].as_f64().unwrap() / actual;
     assert!((0.5..2.0).contains(&ratio), "{ratio} of {actual} bytes");
-    let forced = run(&["--explain", "--force", "tree,full-kernels"]);
+    let forced = run(&["--explain", "--force", "tree,gloss,lamps"]);
     assert!(
         forced.stderr.contains("tree             yes, forced") && forced.stderr.contains("chosen for the budget"),
         "{forced:?}"

@@ -27,16 +27,7 @@ fn entry_points_have_the_lanes_and_the_bindings_of_their_kernels() {
         let entry = &entries[kernel.entry_point()];
         assert_eq!(entry.local_size, [kernel.lanes(), 1, 1], "{}", entry.name);
         let found: Vec<_> = entry.bindings.iter().map(|binding| (binding.set, binding.binding)).collect();
-        // A basic kernel leaves alone what only its full sibling reads.
-        let spared = |name: &str| {
-            entries.contains_key(&format!("{}_full", entry.name))
-                && ["corners", "textures", "texels", "materials"].contains(&name)
-        };
-        let bindings = (0..).zip(kernel.bindings());
-        let expected: Vec<_> = bindings
-            .filter(|(i, binding)| found.contains(&(0, *i)) || !spared(binding.name))
-            .map(|(i, _)| (0, i))
-            .collect();
+        let expected: Vec<_> = (0..).zip(kernel.bindings()).map(|(i, _)| (0, i)).collect();
         assert_eq!(found, expected, "{}", entry.name);
     }
 }
@@ -54,8 +45,7 @@ fn entry_points_write_what_their_kernels_write() {
                 Access::Out | Access::InOut => "read_write",
             };
             let bindings = entry["bindings"].as_array().unwrap();
-            // Which of them there are is the test above.
-            let Some(found) = bindings.iter().find(|found| found["binding"] == i) else { continue };
+            let found = bindings.iter().find(|found| found["binding"] == i).unwrap();
             assert_eq!(found["access"], expected, "{}: `{}`", kernel.entry_point(), binding.name);
             assert_eq!(found["kind"], "storage", "{}: `{}`", kernel.entry_point(), binding.name);
         }

@@ -1,10 +1,9 @@
 //! Meshes: triangles in scenes, on the CPU and on a GPU, through the tree and without it.
 
 use caustic_device::Device;
-use caustic_kernels::layout::{Irradiance, Photon, Query};
-use caustic_kernels::trace::{CameraTile, PhotonPass, RAY_CAUSTIC, RAY_GLOBAL, Vertex, corners_of};
-use caustic_renderer::scene::{BUILT_IN, CompiledScene, Scene};
-use caustic_renderer::{SceneBuffers, Tracers};
+use caustic_kernels::trace::known::MESHES;
+use caustic_kernels::trace::{ALL, corners_of};
+use caustic_renderer::scene::{CompiledScene, Scene};
 use caustic_tests::gpu;
 use caustic_tests::rays::{closest, shadow};
 use caustic_tests::renders::{floats, image, load, parse, small};
@@ -63,10 +62,10 @@ fn compare(scene: &CompiledScene, rays: u32, seed: u32) -> (u32, u32) {
             continue;
         }
         let expected = linear(origin, direction, &scene.primitives);
-        let found = closest::<true>(scene, &scene.nodes, origin, direction);
+        let found = closest(ALL, scene, &scene.nodes, origin, direction);
         differ += u32::from((found.t.to_bits(), found.primitive) != (expected.t.to_bits(), expected.primitive));
         let distance = expected.t.min(side) * 0.999;
-        let in_shadow = shadow::<true>(scene, &scene.nodes, [origin, direction], distance, u32::MAX);
+        let in_shadow = shadow(ALL, scene, &scene.nodes, [origin, direction], distance, u32::MAX);
         let blocked = scene.primitives.iter().any(|primitive| {
             let t = caustic_kernels::trace::intersect(origin, direction, primitive);
             t > 0.0 && t < distance
@@ -102,72 +101,6 @@ fn a_box_of_a_triangle_that_is_too_small_is_seen() {
         }
     }
     assert!(compare(&scene, 8000, 1).0 > 0);
-}
-
-/// What a scene's kernels give: photons of both maps, what the camera sees, and direct light.
-fn traced(device: &Device, scene: &Scene, kernels: Tracers) -> (Vec<Photon>, Vec<Vertex>, Vec<Irradiance>) {
-    use caustic_device::Plan;
-    let compiled = scene.compile();
-    let buffers = SceneBuffers::new(device, &compiled).unwrap();
-    let (paths, size, samples) = (3000, [40, 30], 2);
-    let mut photons = Vec::new();
-    for rays in [RAY_GLOBAL, RAY_CAUSTIC] {
-        if compiled.fewest_photons(rays) == 0 {
-            continue;
-        }
-        let pass = PhotonPass { emitted: paths, first: 0, paths, rays, seed: 5, stored_from: 0, thin: 1 };
-        let lights = device.upload("lights", &compiled.lights_for(paths, rays)).unwrap();
-        let pass = device.upload("pass", &[pass]).unwrap();
-        let words = |name| device.buffer::<u32>(name, paths.into()).unwrap();
-        let (counts, fates, segments) = (words("counts"), words("fates"), words("segments"));
-        let tallies = device.buffer::<caustic_kernels::trace::Tally>("tallies", paths.into()).unwrap();
-        let mut plan = Plan::new();
-        let outputs = [&counts, &fates, &segments, &tallies];
-        plan.each(kernels.count, paths, &[&[&pass], &buffers.for_photons(&lights)[..], &outputs].concat());
-        let [offsets, block_offsets, totals] = caustic_photon_map::scan(device, &mut plan, &counts, paths).unwrap();
-        device.run(&plan).unwrap();
-        let blocks = u64::from(paths.div_ceil(caustic_kernels::sort::SCAN_BLOCK));
-        let stored: u32 = device.read::<u32>(&totals, blocks).unwrap().iter().sum();
-        let unsorted = device.buffer::<Photon>("photons", stored.max(1).into()).unwrap();
-        let mut plan = Plan::new();
-        let places = [&counts, &offsets, &block_offsets, &unsorted];
-        plan.each(kernels.store, paths, &[&[&pass], &buffers.for_photons(&lights)[..], &places].concat());
-        device.run(&plan).unwrap();
-        photons.extend(device.read::<Photon>(&unsorted, stored.into()).unwrap());
-    }
-    let [width, height] = size;
-    let count = width * height * samples;
-    let tile = CameraTile { first_pixel: 0, pixels: width * height, samples, seed: 5 };
-    let tile = device.upload("tile", &[tile]).unwrap();
-    let camera = device.upload("camera", &[scene.camera(width, height)]).unwrap();
-    let queries = device.buffer::<Query>("queries", count.into()).unwrap();
-    let vertices = device.buffer::<Vertex>("vertices", count.into()).unwrap();
-    let direct = device.buffer::<Irradiance>("direct", count.into()).unwrap();
-    let mut plan = Plan::new();
-    let seen = [&queries, &vertices];
-    plan.each(kernels.camera, count, &[&[&tile, &camera], &buffers.for_camera()[..], &seen].concat());
-    let shaded = [&queries, &vertices, &direct];
-    plan.each(kernels.direct, count, &[&[&tile], &buffers.for_camera()[..], &shaded].concat());
-    device.run(&plan).unwrap();
-    (photons, device.read(&vertices, count.into()).unwrap(), device.read(&direct, count.into()).unwrap())
-}
-
-/// The two kinds of kernels are one body: what the basic ones can trace, the full ones trace to the same bits.
-#[test]
-fn basic_and_full_kernels_give_a_basic_scene_the_same_bits() {
-    let mut compared = 0;
-    for built_in in BUILT_IN {
-        let scene = load(built_in.name);
-        if scene.compile().full {
-            continue;
-        }
-        for device in [Some(&Device::cpu()), gpu()].into_iter().flatten() {
-            let (basic, full) = (traced(device, &scene, Tracers::BASIC), traced(device, &scene, Tracers::FULL));
-            assert!(!basic.0.is_empty() && basic == full, "{} on {}", built_in.name, device.name());
-            compared += 1;
-        }
-    }
-    assert!(compared >= 3);
 }
 
 /// A box of triangles with a lamp outside: inside it is black, whatever the grid of its walls; with a triangle less it is not.
@@ -248,7 +181,7 @@ fn pictures_of_meshes_have_the_same_bits_on_a_gpu() {
     );
     let scenes = [parse(&text), load("hall")];
     for scene in scenes {
-        assert!(scene.compile().full);
+        assert_ne!(scene.compile().needs & MESHES, 0);
         let settings = caustic_renderer::Settings { photons: 2000, caustic_photons: 1000, ..small(&scene) };
         let [cpu, other] = [&Device::cpu(), gpu].map(|device| image(&scene, &settings, device));
         assert!(floats(&cpu).iter().any(|&value| value > 0.0), "{}", scene.name);

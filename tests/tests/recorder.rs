@@ -174,7 +174,7 @@ fn recorded_kernels_write_what_the_fast_ones_write() {
             }
         }
     }
-    // All kinds of pictures: of a scene that takes the basic kernels and of one that takes the full ones.
+    // All kinds of pictures: of a scene that asks little of kernels and of one that asks more.
     for name in ["cornell", "cornell-glossy"] {
         let scene = renders::load(name);
         let small = Settings { size: [12, 9], ..renders::small(&scene) };
@@ -212,7 +212,7 @@ fn an_output_that_is_not_the_recorded_kernels_is_refused() {
     let input: Vec<u32> = (0..400).collect();
     let observe = |output: &[u32]| {
         let buffers = [input.as_slice(), output];
-        let stage = Observed { stage: "copy", kernel: Kernel::CopyQuads, groups: 1, buffers: &buffers };
+        let stage = Observed { stage: "copy", kernel: Kernel::CopyQuads, known: 0, groups: 1, buffers: &buffers };
         catch_unwind(AssertUnwindSafe(|| Recorder::new(32).observe(&stage)))
     };
     assert!(observe(&input).is_ok());

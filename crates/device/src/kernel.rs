@@ -45,6 +45,21 @@ pub struct Binding {
     pub words: &'static str,
 }
 
+/// A kernel with the mask of what it knows: what a plan runs. Kernels without a mask know what they know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Masked {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// Bits of [`trace::known`].
+    pub known: u32,
+}
+
+impl From<Kernel> for Masked {
+    fn from(kernel: Kernel) -> Self {
+        kernel.knowing(EVERYTHING)
+    }
+}
+
 macro_rules! kernels {
     ($($shape:ident $(($($detail:tt)*))? $name:ident = $entry:ident [$lanes:tt]
        ($($b:tt $arg:ident: $access:ident $t:ty),*) = $module:ident::$body:ident $([$($generic:tt),*])?;)*) => {
@@ -64,7 +79,7 @@ macro_rules! kernels {
             }
 
             /// Its SPIR-V, as `cargo xtask shaders` made it.
-            pub(crate) fn spirv(self, precision: Precision) -> &'static [u8] {
+            fn spirv(self, precision: Precision) -> &'static [u8] {
                 match (self, precision) {
                     $(
                         (Self::$name, Precision::Exact) => {
@@ -75,6 +90,12 @@ macro_rules! kernels {
                         }
                     )*
                 }
+            }
+
+            /// Its SPIR-V as words.
+            pub(crate) fn words(self, precision: Precision) -> Vec<u32> {
+                let bytes = self.spirv(precision).chunks_exact(4);
+                bytes.map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
             }
 
             /// The kernel whose entry point is called so.
@@ -100,6 +121,12 @@ macro_rules! kernels {
                         words: <$t as Record>::WORDS,
                     }),*] }),*
                 }
+            }
+
+            /// The kernel with a mask of what it is to [know](caustic_kernels::trace::known), for those that take one.
+            #[must_use]
+            pub fn knowing(self, known: u32) -> Masked {
+                Masked { kernel: self, known }
             }
 
             /// Runs all its workgroups on the CPU.
@@ -150,6 +177,14 @@ macro_rules! pass {
 macro_rules! run {
     (each, $groups:expr, $lanes:tt, $module:ident::$body:ident $([$($generic:tt),*])?, $($access:ident $arg:ident),*) => {
         $groups.each($lanes, |i| $module::$body$(::<$($generic),*>)?(i, $(pass!($access $arg)),*))
+    };
+    // Nothing and everything are known to the compiler, and other masks a branch each.
+    (masked, $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
+        match $groups.known {
+            0 => $groups.each($lanes, |i| $module::$body(Only::<0>, i, $(pass!($access $arg)),*)),
+            EVERYTHING => $groups.each($lanes, |i| $module::$body(ALL, i, $(pass!($access $arg)),*)),
+            mask => $groups.each($lanes, |i| $module::$body(Told(mask), i, $(pass!($access $arg)),*)),
+        }
     };
     (batch($registers:ty), $groups:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
         $groups.batches::<$registers>($lanes, |batch| $module::$body(batch, $(pass!($access $arg)),*))

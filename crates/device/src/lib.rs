@@ -23,7 +23,7 @@ pub use compare::{Difference, FirstDifference};
 pub use cpu::{LaneOrder, Observed, Observer};
 pub use error::Error;
 pub use gpu::{AdapterReport, ShaderManifest, adapters, manifest};
-pub use kernel::{Access, Binding, Kernel};
+pub use kernel::{Access, Binding, Kernel, Masked};
 pub use plan::Plan;
 pub use record::Record;
 pub use timing::StageTime;

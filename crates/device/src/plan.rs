@@ -1,7 +1,7 @@
 //! Plans: what is to be done, as data.
 
 use crate::buffer::Buffer;
-use crate::kernel::Kernel;
+use crate::kernel::Masked;
 
 /// A list of stages over buffers, executed in order. Each stage sees what the ones before it wrote.
 #[derive(Clone, Default)]
@@ -15,7 +15,7 @@ pub(crate) enum Step {
     /// Fills a buffer with zeros.
     Clear { stage: String, buffer: Buffer },
     /// Runs a kernel.
-    Run { stage: String, kernel: Kernel, groups: u32, buffers: Vec<Buffer> },
+    Run { stage: String, kernel: Masked, groups: u32, buffers: Vec<Buffer> },
 }
 
 impl Plan {
@@ -53,15 +53,18 @@ impl Plan {
     ///
     /// # Panics
     /// If the buffers are not those of the kernel.
-    pub fn each(&mut self, kernel: Kernel, count: u32, buffers: &[&Buffer]) {
-        self.groups(kernel, count.div_ceil(kernel.lanes()), buffers);
+    pub fn each(&mut self, kernel: impl Into<Masked>, count: u32, buffers: &[&Buffer]) {
+        let masked = kernel.into();
+        self.groups(masked, count.div_ceil(masked.kernel.lanes()), buffers);
     }
 
     /// Runs a kernel with `groups` workgroups.
     ///
     /// # Panics
     /// If the number of buffers is not the kernel's, or if the kernel would write a buffer that it is given twice.
-    pub fn groups(&mut self, kernel: Kernel, groups: u32, buffers: &[&Buffer]) {
+    pub fn groups(&mut self, kernel: impl Into<Masked>, groups: u32, buffers: &[&Buffer]) {
+        let masked = kernel.into();
+        let kernel = masked.kernel;
         let bindings = kernel.bindings();
         assert_eq!(bindings.len(), buffers.len(), "{}: number of buffers", kernel.entry_point());
         for (i, (written, binding)) in buffers.iter().zip(bindings).enumerate() {
@@ -72,7 +75,7 @@ impl Plan {
         }
         if groups > 0 {
             let buffers = buffers.iter().map(|&b| b.clone()).collect();
-            self.steps.push(Step::Run { stage: self.stage(kernel.entry_point()), kernel, groups, buffers });
+            self.steps.push(Step::Run { stage: self.stage(kernel.entry_point()), kernel: masked, groups, buffers });
         }
     }
 

@@ -54,7 +54,7 @@ impl Comparisons {
             cpu.run(&single, timings)?;
             gpu.run(&single, timings)?;
             if let Step::Run { kernel, buffers, .. } = step {
-                self.compare(*kernel, buffers, gpu)?;
+                self.compare(kernel.kernel, buffers, gpu)?;
             }
         }
         Ok(())

@@ -4,7 +4,8 @@
 ///
 /// A line reads `shape Name = entry_point [lanes] (parameters) = body`, where
 ///
-/// * the shape is `each` (one invocation an element), `batch (registers)` (the same in phases, without barriers), `group (registers; shared)` (a workgroup in phases),
+/// * the shape is `each` (one invocation an element), `masked` (the same, with the mask of what the kernel is to [know](crate::trace::known) as its first
+///   parameter), `batch (registers)` (the same in phases, without barriers), `group (registers; shared)` (a workgroup in phases),
 ///   `subgroups (registers; shared)` (a block of [`SORT_BLOCK`](crate::sort::SORT_BLOCK) items, shared out among lanes in subgroups
 ///   with ballots), `lanes (registers; shared)` (the same without subgroups), `columns (shared)` (like `each`, with the lane and shared memory
 ///   in which each lane has its own column) or `gather (container)` (like `each`, with a container of candidates as its first
@@ -343,59 +344,37 @@ macro_rules! stages {
                 5 counts: Out u32
             ) = rivals::kd_range;
 
-            each CountPhotons = count_photons [64] (
+            masked CountPhotons = count_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
                 8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32,
                 13 tallies: Out Tally
-            ) = trace::count_photons[false, _, _, _, _];
-            each CountPhotonsFull = count_photons_full [64] (
-                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
-                8 textures: In Texture, 9 texels: In Texel, 10 counts: Out u32, 11 fates: Out u32, 12 segments: Out u32,
-                13 tallies: Out Tally
-            ) = trace::count_photons[true, _, _, _, _];
-            each StorePhotons = store_photons [64] (
+            ) = trace::count_photons;
+            masked StorePhotons = store_photons [64] (
                 0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
                 8 textures: In Texture, 9 texels: In Texel, 10 counts: In u32, 11 offsets: In u32, 12 block_offsets: In u32,
                 13 photons: Out Photon
-            ) = trace::store_photons[false, _];
-            each StorePhotonsFull = store_photons_full [64] (
-                0 pass: One PhotonPass, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 targets: In Target, 7 corners: In Corners,
-                8 textures: In Texture, 9 texels: In Texel, 10 counts: In u32, 11 offsets: In u32, 12 block_offsets: In u32,
-                13 photons: Out Photon
-            ) = trace::store_photons[true, _];
+            ) = trace::store_photons;
             each SumLedger = sum_ledger [64] (
                 0 pass: One LedgerPass, 1 blocks: In LedgerBlock, 2 tallies: In Tally, 3 sums: Out LedgerSum
             ) = trace::sum_ledger;
-            each TraceCamera = trace_camera [64] (
+            masked TraceCamera = trace_camera [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
                 4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 corners: In Corners,
                 8 textures: In Texture, 9 texels: In Texel, 10 queries: Out Query, 11 vertices: Out Vertex
-            ) = trace::trace_camera[false, _, _];
-            each TraceCameraFull = trace_camera_full [64] (
-                0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
-                4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 corners: In Corners,
-                8 textures: In Texture, 9 texels: In Texel, 10 queries: Out Query, 11 vertices: Out Vertex
-            ) = trace::trace_camera[true, _, _];
-            each ShadeDirect = shade_direct [64] (
+            ) = trace::trace_camera;
+            masked ShadeDirect = shade_direct [64] (
                 0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 corners: In Corners, 7 textures: In Texture, 8 texels: In Texel,
                 9 queries: In Query, 10 vertices: In Vertex, 11 direct: Out Irradiance
-            ) = trace::shade_direct[false, _];
-            each ShadeDirectFull = shade_direct_full [64] (
-                0 tile: One CameraTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
-                4 materials: In Material, 5 lights: In Light, 6 corners: In Corners, 7 textures: In Texture, 8 texels: In Texel,
-                9 queries: In Query, 10 vertices: In Vertex, 11 direct: Out Irradiance
-            ) = trace::shade_direct[true, _];
-            each TracePaths = trace_paths [64] (
+            ) = trace::shade_direct;
+            masked TracePaths = trace_paths [64] (
                 0 tile: One CameraTile, 1 camera: One Camera, 2 info: One SceneInfo, 3 nodes: In BvhNode,
                 4 primitives: In Primitive, 5 materials: In Material, 6 lights: In Light, 7 corners: In Corners,
                 8 textures: In Texture, 9 texels: In Texel, 10 vertices: Out Vertex
             ) = trace::trace_paths;
-            each TraceGather = trace_gather [64] (
+            masked TraceGather = trace_gather [64] (
                 0 tile: One GatherTile, 1 info: One SceneInfo, 2 nodes: In BvhNode, 3 primitives: In Primitive,
                 4 materials: In Material, 5 lights: In Light, 6 corners: In Corners, 7 textures: In Texture, 8 texels: In Texel,
                 9 queries: In Query, 10 vertices: In Vertex, 11 gather_queries: Out Query, 12 gather_vertices: Out Vertex

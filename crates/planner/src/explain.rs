@@ -37,7 +37,6 @@ pub fn explain(
     for one in &decisions {
         let choice = match (one.feature, one.modelled) {
             (Feature::Tree, false) => "list",
-            (Feature::FullKernels, false) => "basic kernels",
             (_, true) if one.forced => "yes, forced",
             (_, true) => "yes",
             (_, false) => "no",

@@ -12,11 +12,13 @@ pub(crate) struct Groups {
     count: u32,
     every: u32,
     warp: u32,
+    /// What the kernel is to know, if it takes a mask.
+    pub(crate) known: u32,
 }
 
 impl Groups {
-    pub(crate) fn new(count: u32, every: u32, warp: u32) -> Self {
-        Self { count, every, warp }
+    pub(crate) fn new(count: u32, every: u32, warp: u32, known: u32) -> Self {
+        Self { count, every, warp, known }
     }
 
     /// How many are recorded.

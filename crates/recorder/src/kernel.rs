@@ -80,6 +80,9 @@ macro_rules! run {
     (each, $groups:expr, $at:expr, $lanes:tt, $module:ident::$body:ident $([$($generic:tt),*])?, $($access:ident $arg:ident),*) => {
         $groups.each($at, $lanes, |i| $module::$body$(::<$($generic),*>)?(i, $(pass!($access $arg)),*))
     };
+    (masked, $groups:expr, $at:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
+        $groups.each($at, $lanes, |i| $module::$body(Told($groups.known), i, $(pass!($access $arg)),*))
+    };
     // Phases without barriers: a lane alone.
     (batch($registers:ty), $groups:expr, $at:expr, $lanes:tt, $module:ident::$body:ident, $($access:ident $arg:ident),*) => {
         $groups.each($at, $lanes, |i| {

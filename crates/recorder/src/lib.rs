@@ -128,7 +128,7 @@ impl Observer for Recorder {
             return;
         }
         let outputs = Outputs::of(stage);
-        let groups = groups::Groups::new(stage.groups, self.0.every, self.0.warp);
+        let groups = groups::Groups::new(stage.groups, self.0.every, self.0.warp, stage.known);
         let recorded = groups.recorded();
         let tally = kernel::run(stage.kernel, &groups, stage.buffers, &outputs);
         if let Some(buffer) = outputs.changed(stage) {
@@ -182,6 +182,7 @@ mod tests {
         let outputs = crate::Outputs::of(&caustic_device::Observed {
             stage: "copy",
             kernel: caustic_device::Kernel::CopyQuads,
+            known: 0,
             groups: 1,
             buffers: &[bytemuck::cast_slice(&records), &[0; 12]],
         });

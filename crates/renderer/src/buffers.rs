@@ -1,36 +1,38 @@
 //! A scene in a device's buffers, and the kernels that trace it.
 
 use crate::scene::CompiledScene;
-use caustic_device::{Buffer, Device, Error, Kernel};
+use caustic_device::{Buffer, Device, Error, Kernel, Masked};
 
-/// The tracing kernels of one kind.
+/// The tracing kernels, with what they know.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracers {
     /// Counts what photon paths store.
-    pub count: Kernel,
+    pub count: Masked,
     /// Stores it.
-    pub store: Kernel,
+    pub store: Masked,
     /// Follows camera paths.
-    pub camera: Kernel,
+    pub camera: Masked,
     /// Shades what they found.
-    pub direct: Kernel,
+    pub direct: Masked,
+    /// Follows paths to the lights.
+    pub paths: Masked,
+    /// Follows rays of the final gather.
+    pub gather: Masked,
 }
 
 impl Tracers {
-    /// Those that know quads, spheres and simple materials.
-    pub const BASIC: Self = Self {
-        count: Kernel::CountPhotons,
-        store: Kernel::StorePhotons,
-        camera: Kernel::TraceCamera,
-        direct: Kernel::ShadeDirect,
-    };
-    /// Those that know everything.
-    pub const FULL: Self = Self {
-        count: Kernel::CountPhotonsFull,
-        store: Kernel::StorePhotonsFull,
-        camera: Kernel::TraceCameraFull,
-        direct: Kernel::ShadeDirectFull,
-    };
+    /// Those that know what a mask of [`known`](caustic_kernels::trace::known) says.
+    #[must_use]
+    pub fn knowing(mask: u32) -> Self {
+        Self {
+            count: Kernel::CountPhotons.knowing(mask),
+            store: Kernel::StorePhotons.knowing(mask),
+            camera: Kernel::TraceCamera.knowing(mask),
+            direct: Kernel::ShadeDirect.knowing(mask),
+            paths: Kernel::TracePaths.knowing(mask),
+            gather: Kernel::TraceGather.knowing(mask),
+        }
+    }
 }
 
 /// The scene in a device's buffers.
@@ -64,7 +66,7 @@ impl SceneBuffers {
     /// Those of devices.
     pub fn new(device: &Device, scene: &CompiledScene) -> Result<Self, Error> {
         Ok(Self {
-            kernels: if scene.full { Tracers::FULL } else { Tracers::BASIC },
+            kernels: Tracers::knowing(scene.known),
             info: device.upload("scene: info", &[scene.info])?,
             nodes: device.upload("scene: nodes", &scene.nodes)?,
             primitives: device.upload("scene: primitives", &scene.primitives)?,

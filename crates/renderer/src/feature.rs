@@ -4,6 +4,7 @@
 use crate::scene::CompiledScene;
 use crate::scene::bvh::FEW;
 use crate::{Settings, Show};
+use caustic_kernels::trace::known::{GLOSS, LAMPS, MEDIA, MESHES, SKY, TEXTURES};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_GLOBAL, RAY_CAUSTIC};
 use serde::Serialize;
 
@@ -17,13 +18,33 @@ pub enum Feature {
     GlobalMap,
     /// A tree over the surfaces instead of a list.
     Tree,
-    /// Kernels that know all shapes, materials, lights and textures.
-    FullKernels,
+    /// Pictures on surfaces, in kernels.
+    Textures,
+    /// Rough lobes and coats, in kernels.
+    Gloss,
+    /// The insides of dielectrics, in kernels.
+    Media,
+    /// An environment, in kernels.
+    Sky,
+    /// Triangles and discs, in kernels.
+    Meshes,
+    /// Lights that are neither quads nor points, in kernels.
+    Lamps,
 }
 
 impl Feature {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::CausticMap, Self::GlobalMap, Self::Tree, Self::FullKernels];
+    pub const ALL: [Self; 9] = [
+        Self::CausticMap,
+        Self::GlobalMap,
+        Self::Tree,
+        Self::Textures,
+        Self::Gloss,
+        Self::Media,
+        Self::Sky,
+        Self::Meshes,
+        Self::Lamps,
+    ];
 
     /// What it is called in sentences.
     #[must_use]
@@ -32,7 +53,26 @@ impl Feature {
             Self::CausticMap => "caustic map",
             Self::GlobalMap => "global map",
             Self::Tree => "tree",
-            Self::FullKernels => "full kernels",
+            Self::Textures => "textures",
+            Self::Gloss => "gloss",
+            Self::Media => "media",
+            Self::Sky => "sky",
+            Self::Meshes => "meshes",
+            Self::Lamps => "lamps",
+        }
+    }
+
+    /// Its bit in the mask of what kernels [know](caustic_kernels::trace::known); 0 of what is decided outside of kernels.
+    #[must_use]
+    pub fn bit(self) -> u32 {
+        match self {
+            Self::CausticMap | Self::GlobalMap | Self::Tree => 0,
+            Self::Textures => TEXTURES,
+            Self::Gloss => GLOSS,
+            Self::Media => MEDIA,
+            Self::Sky => SKY,
+            Self::Meshes => MESHES,
+            Self::Lamps => LAMPS,
         }
     }
 }
@@ -52,13 +92,13 @@ pub struct Decision {
 
 /// Decides on all features, in the order of [`Feature::ALL`]. `scene` is compiled with [`Settings::forced`].
 #[must_use]
-pub fn decide(scene: &CompiledScene, settings: &Settings) -> [Decision; 4] {
+pub fn decide(scene: &CompiledScene, settings: &Settings) -> [Decision; 9] {
     Feature::ALL.map(|feature| {
         let (asked, needed, why) = match feature {
             Feature::CausticMap => caustic_map(scene, settings),
             Feature::GlobalMap => global_map(scene, settings),
             Feature::Tree => tree(scene),
-            Feature::FullKernels => full_kernels(scene),
+            _ => knowledge(scene, feature),
         };
         let forced = asked && !needed && settings.forced.contains(&feature);
         Decision { feature, modelled: asked && (needed || forced), forced, why }
@@ -109,12 +149,21 @@ fn tree(scene: &CompiledScene) -> (bool, bool, String) {
     (true, needed, why)
 }
 
-fn full_kernels(scene: &CompiledScene) -> (bool, bool, String) {
-    let needed = !scene.beyond_basic.is_empty();
-    let why = if needed {
-        format!("the scene has {}", scene.beyond_basic.join(", "))
-    } else {
-        "quads, spheres, matt, mirror and glass of one colour are all there is".to_string()
+/// Whether kernels know it.
+fn knowledge(scene: &CompiledScene, feature: Feature) -> (bool, bool, String) {
+    let (there, not) = match feature {
+        Feature::Textures => ("surfaces have pictures", "no surface has a picture"),
+        Feature::Gloss => ("there are rough lobes or coats", "all is matt, a mirror or smooth glass"),
+        Feature::Media => (
+            "there is glass that absorbs, is rough or no closed sphere, or has something in it",
+            "there is no glass but clear closed spheres with nothing in them",
+        ),
+        Feature::Sky => ("there is an environment", "there is no environment"),
+        Feature::Meshes => {
+            ("there are triangles or discs, or too many surfaces for eight lists", "all surfaces are quads and spheres")
+        }
+        _ => ("there are lights that are neither quads nor points", "all lights are quads and points"),
     };
-    (true, needed, why)
+    let needed = scene.needs & feature.bit() != 0;
+    (true, needed, if needed { there } else { not }.to_string())
 }

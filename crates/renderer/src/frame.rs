@@ -274,7 +274,7 @@ impl<'a> Frame<'a> {
         plan.scope("image");
         let from = [&[&tiles.camera, camera], &self.buffers.for_camera()[..]].concat();
         if paths {
-            plan.each(Kernel::TracePaths, samples, &[&from[..], &[&vertices]].concat());
+            plan.each(kernels.paths, samples, &[&from[..], &[&vertices]].concat());
         } else {
             plan.each(kernels.camera, samples, &[&from[..], &[&queries, &vertices]].concat());
         }
@@ -359,7 +359,7 @@ impl<'a> Frame<'a> {
         let seen_vertices = self.device.scratch::<Vertex>("gather vertices", u64::from(count))?;
         let estimates = self.device.scratch::<Irradiance>("gather estimates", u64::from(count))?;
         let ends = [queries, vertices, &seen_queries, &seen_vertices];
-        plan.each(Kernel::TraceGather, count, &[&[tile], &self.buffers.for_camera()[..], &ends].concat());
+        plan.each(self.buffers.kernels.gather, count, &[&[tile], &self.buffers.for_camera()[..], &ends].concat());
         let how = self.settings.estimate();
         self.plan_estimate(plan, map, &how, [&seen_queries, &seen_vertices], count, &estimates)?;
         plan.each(Kernel::SumGather, samples, &[tile, &seen_vertices, &estimates, out]);

@@ -2,7 +2,7 @@
 
 use crate::scene::Scene;
 use crate::{RenderError, Settings};
-use caustic_device::{Buffer, Device, Kernel, Plan};
+use caustic_device::{Buffer, Device, Kernel, Masked, Plan};
 use caustic_kernels::layout::{Irradiance, Query};
 use caustic_kernels::trace::{Camera, CameraTile, GatherTile, LatticeTile, Vertex};
 
@@ -77,7 +77,7 @@ impl Lattice {
         device: &Device,
         plan: &mut Plan,
         tile: &Tile<'_>,
-        trace: Kernel,
+        trace: Masked,
         mut estimate: impl FnMut(&mut Plan, Points<'_>, &Buffer) -> Result<(), RenderError>,
         out: &Buffer,
     ) -> Result<(), RenderError> {

@@ -33,8 +33,18 @@ pub enum FeatureArgument {
     GlobalMap,
     /// A tree over the surfaces.
     Tree,
-    /// Kernels that know everything.
-    FullKernels,
+    /// Pictures on surfaces, in kernels.
+    Textures,
+    /// Rough lobes and coats, in kernels.
+    Gloss,
+    /// The insides of dielectrics, in kernels.
+    Media,
+    /// An environment, in kernels.
+    Sky,
+    /// Triangles and discs, in kernels.
+    Meshes,
+    /// Lights that are neither quads nor points, in kernels.
+    Lamps,
 }
 
 impl From<FeatureArgument> for Feature {
@@ -43,7 +53,12 @@ impl From<FeatureArgument> for Feature {
             FeatureArgument::CausticMap => Self::CausticMap,
             FeatureArgument::GlobalMap => Self::GlobalMap,
             FeatureArgument::Tree => Self::Tree,
-            FeatureArgument::FullKernels => Self::FullKernels,
+            FeatureArgument::Textures => Self::Textures,
+            FeatureArgument::Gloss => Self::Gloss,
+            FeatureArgument::Media => Self::Media,
+            FeatureArgument::Sky => Self::Sky,
+            FeatureArgument::Meshes => Self::Meshes,
+            FeatureArgument::Lamps => Self::Lamps,
         }
     }
 }

@@ -36,6 +36,8 @@ impl LaneOrder {
 /// The workgroups of one stage.
 pub(crate) struct Groups {
     pub(crate) count: u32,
+    /// What the kernel is to know, if it takes a mask.
+    pub(crate) known: u32,
     pub(crate) order: LaneOrder,
 }
 

@@ -12,7 +12,7 @@ pub(crate) use shared::Bound;
 pub(crate) use words::Words;
 
 use crate::error::flag_of;
-use crate::kernel::Access;
+use crate::kernel::{Access, Masked};
 use crate::plan::{Plan, Step};
 use crate::timing::Timings;
 use crate::{Error, Result};
@@ -103,7 +103,7 @@ impl Cpu {
                     lock_write(buffer.on_cpu()).fill(0);
                     stage
                 }
-                Step::Run { stage, kernel, groups, buffers } => {
+                Step::Run { stage, kernel: Masked { kernel, known }, groups, buffers } => {
                     if let Some(observer) = &self.observer {
                         observer.begin(stage)?;
                     }
@@ -123,7 +123,7 @@ impl Cpu {
                             Guard::Write(words) => Bound::write_words(words),
                         })
                         .collect();
-                    kernel.run_on_cpu(&Groups { count: *groups, order: self.order }, &bound);
+                    kernel.run_on_cpu(&Groups { count: *groups, known: *known, order: self.order }, &bound);
                     stage
                 }
             };
@@ -137,9 +137,9 @@ impl Cpu {
 }
 
 fn show(step: &Step, observer: &dyn Observer) {
-    if let Step::Run { stage, kernel, groups, buffers } = step {
+    if let Step::Run { stage, kernel: Masked { kernel, known }, groups, buffers } = step {
         let guards: Vec<_> = buffers.iter().map(|buffer| lock_read(buffer.on_cpu())).collect();
         let words: Vec<&[u32]> = guards.iter().map(|guard| &guard[..]).collect();
-        observer.observe(&Observed { stage, kernel: *kernel, groups: *groups, buffers: &words });
+        observer.observe(&Observed { stage, kernel: *kernel, known: *known, groups: *groups, buffers: &words });
     }
 }

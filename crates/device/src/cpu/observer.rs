@@ -8,6 +8,8 @@ pub struct Observed<'a> {
     pub stage: &'a str,
     /// Its kernel.
     pub kernel: Kernel,
+    /// What it knows, if it takes a mask.
+    pub known: u32,
     /// How many workgroups ran.
     pub groups: u32,
     /// The words of its buffers after it ran, in the order of their bindings. Those that it reads are as it found them.

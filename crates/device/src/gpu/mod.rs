@@ -4,9 +4,11 @@
 //! loaded by passthrough, which Vulkan alone offers. Where it is missing, the fast kernels take the ordinary, portable path.
 
 mod adapters;
+mod branches;
 mod memory;
 mod passthrough;
 mod pipelines;
+mod specialise;
 mod stamps;
 mod submit;
 
@@ -14,7 +16,7 @@ pub use adapters::{AdapterReport, adapters};
 pub(crate) use adapters::{all, open, open_hardware};
 pub use pipelines::{ShaderManifest, manifest};
 
-use crate::kernel::Kernel;
+use crate::kernel::Masked;
 use crate::{Error, Precision, Result};
 use pipelines::Pipeline;
 use stamps::Stamps;
@@ -35,7 +37,7 @@ pub(crate) struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     limits: wgpu::Limits,
-    pipelines: Mutex<HashMap<Kernel, Arc<Pipeline>>>,
+    pipelines: Mutex<HashMap<Masked, Arc<Pipeline>>>,
     /// Why the device was lost, once it is.
     lost: Arc<Mutex<Option<String>>>,
     /// Buffers through which results are read back, when nobody reads.

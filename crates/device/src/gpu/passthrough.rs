@@ -3,7 +3,8 @@
 //! wgpu does not look into a module that it passes through, so it cannot promise that the module is sound, and asks its user
 //! to. What stands for that promise: `cargo xtask shaders` validates every module with `spirv-val`; its entry point, workgroup
 //! size, bindings and their access are those of `stages!`, which a test compares with what is in the module; and rust-gpu checks
-//! the bounds of every access to a buffer.
+//! the bounds of every access to a buffer. What the device does to a module, a constant for the mask and no blocks that it rules out, was validated
+//! likewise for every kernel with every mask.
 #![allow(unsafe_code)]
 
 use crate::kernel::Kernel;

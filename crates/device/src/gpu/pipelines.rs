@@ -1,7 +1,7 @@
 //! The embedded SPIR-V, and the pipelines made of it.
 
-use super::{Gpu, passthrough};
-use crate::kernel::{Access, Kernel};
+use super::{Gpu, branches, passthrough, specialise};
+use crate::kernel::{Access, Kernel, Masked};
 use crate::{Error, Result};
 use serde::Deserialize;
 use std::sync::{Arc, PoisonError};
@@ -56,26 +56,25 @@ pub(super) fn most_bindings() -> u32 {
 }
 
 impl Gpu {
-    /// The pipeline of a kernel, made when it is first used.
-    pub(super) fn pipeline(&self, kernel: Kernel) -> Result<Arc<Pipeline>> {
+    /// The pipeline of a kernel that knows so much, made when it is first used.
+    pub(super) fn pipeline(&self, masked: Masked) -> Result<Arc<Pipeline>> {
         let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(pipeline) = pipelines.get(&kernel) {
+        if let Some(pipeline) = pipelines.get(&masked) {
             return Ok(Arc::clone(pipeline));
         }
-        let made = self.checked(|| self.make_pipeline(kernel)).map_err(|error| Error::Stage {
+        let made = self.checked(|| self.make_pipeline(masked)).map_err(|error| Error::Stage {
             device: self.name(),
-            stage: kernel.entry_point().to_string(),
+            stage: masked.kernel.entry_point().to_string(),
             reason: error.to_string(),
         })?;
         let made = Arc::new(made);
-        pipelines.insert(kernel, Arc::clone(&made));
+        pipelines.insert(masked, Arc::clone(&made));
         Ok(made)
     }
 
-    /// The module of a kernel: word for word, or translated where that is not possible.
-    fn load(&self, kernel: Kernel) -> wgpu::ShaderModule {
-        let spirv = kernel.spirv(self.precision);
-        let words = spirv.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    /// The module of a kernel, with its mask as a constant: word for word, or translated where that is not possible.
+    fn load(&self, Masked { kernel, known }: Masked) -> wgpu::ShaderModule {
+        let words = branches::without_unreachable(specialise::with(&kernel.words(self.precision), known));
         if !self.portable {
             return passthrough::load(&self.device, kernel, words);
         }
@@ -85,7 +84,8 @@ impl Gpu {
         })
     }
 
-    fn make_pipeline(&self, kernel: Kernel) -> Pipeline {
+    fn make_pipeline(&self, masked: Masked) -> Pipeline {
+        let kernel = masked.kernel;
         let label = Some(kernel.entry_point());
         let entries: Vec<_> = kernel
             .bindings()
@@ -114,7 +114,7 @@ impl Gpu {
         let pipeline = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label,
             layout: Some(&pipeline_layout),
-            module: &self.load(kernel),
+            module: &self.load(masked),
             entry_point: label,
             // Kernels write shared memory before they read it; passthrough would not zero it anyway.
             compilation_options: wgpu::PipelineCompilationOptions {

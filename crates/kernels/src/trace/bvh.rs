@@ -3,8 +3,9 @@
 //! The tree lies in the buffer eight times, once for each octant of directions, depth first and nearer child first. A ray walks
 //! one of these lists from front to back and skips what its slabs miss: there is no stack, the index only grows, and the nearer
 //! of two children still comes first (Smits, "Efficiency Issues for Ray Tracing", JGT 1998, for skipping). A large scene has fewer
-//! lists, 4, 2 or 1, which the FULL kernels can walk: an octant then shares the list of another one.
+//! lists, 4, 2 or 1, which kernels that know [`MESHES`](super::known::MESHES) can walk: an octant then shares the list of another one.
 
+use super::known::Known;
 use crate::num::{abs, fsign, max, min};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
@@ -57,10 +58,10 @@ impl Slabs {
     /// which a primitive would be hit.
     #[inline]
     #[must_use]
-    pub fn meet<const FULL: bool>(self, node: &BvhNode, farthest: f32) -> bool {
+    pub fn meet(self, known: impl Known, node: &BvhNode, farthest: f32) -> bool {
         let mut near = (Vec3::from_array(node.near) - self.origin) * self.inverse;
         let mut far = (Vec3::from_array(node.far) - self.origin) * self.inverse;
-        if FULL {
+        if known.meshes() {
             // The list may be another octant's.
             let swapped = near;
             near = Vec3::new(min(near.x, far.x), min(near.y, far.y), min(near.z, far.z));
@@ -81,8 +82,8 @@ fn inverse(direction: f32) -> f32 {
 /// The list of nodes for rays of a direction.
 #[inline]
 #[must_use]
-pub fn list_of<const FULL: bool>(direction: Vec3, lists: u32) -> u32 {
-    if FULL { octant(direction) & lists.wrapping_sub(1) } else { octant(direction) }
+pub fn list_of(known: impl Known, direction: Vec3, lists: u32) -> u32 {
+    if known.meshes() { octant(direction) & lists.wrapping_sub(1) } else { octant(direction) }
 }
 
 /// The octant of a direction: a bit for each axis along which it is negative.

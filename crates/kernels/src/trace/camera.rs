@@ -1,11 +1,12 @@
 //! Camera paths, down to the first diffuse surface.
 
 use super::MAX_BOUNCES;
-use super::bsdf::{albedo_diffuse, is_glossy, sample_specular, scatter_specular, specular_chance};
+use super::bsdf::{albedo_diffuse, is_glossy, sample_specular, specular_chance};
 use super::bvh::BvhNode;
 use super::intersect::{LOST, MISS, closest_hit, leave};
+use super::known::Known;
 use super::light::{emission_at, look_density, power_heuristic};
-use super::medium::{VACUUM, leaks, medium_after, medium_before, roulette};
+use super::medium::{VACUUM, absorbs, leaks, medium_after, medium_before, roulette};
 use super::next_event::{next_event, outside, through};
 use super::scene::{Light, MATERIAL_LAMBERTIAN, Material, NO_LIGHT, Primitive, SceneInfo};
 use super::sky::leaving;
@@ -47,7 +48,7 @@ pub struct Camera {
     pub right: [f32; 3],
     /// One pixel down.
     pub down: [f32; 3],
-    /// Two radii of the lens across each other and the view, m; none of a pinhole. Only FULL kernels know lenses.
+    /// Two radii of the lens across each other and the view, m; none of a pinhole.
     pub lens: [[f32; 3]; 2],
     /// Distance of the plane that is in focus, m.
     pub focus: f32,
@@ -93,7 +94,8 @@ pub struct Vertex {
 /// it goes on. What a glossy lobe sees of the lights comes both from a shadow ray and from paths that meet a light, each
 /// weighed by the power heuristic.
 #[inline]
-pub fn trace_camera<const FULL: bool, Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
+pub fn trace_camera<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
+    known: impl Known,
     i: u32,
     tile: &CameraTile,
     camera: &Camera,
@@ -114,9 +116,9 @@ pub fn trace_camera<const FULL: bool, Q: Store<Query> + ?Sized, V: Store<Vertex>
     let pixel = tile.first_pixel + i / tile.samples;
     let sample = i % tile.samples;
     let rng = Rng { seed: tile.seed, stream: STREAM ^ (sample << 8), index: pixel };
-    let (origin, direction) = eye_ray::<FULL>(camera, pixel, sample, tile.seed);
-    let (query, vertex) = first_diffuse::<FULL>(
-        rng, origin, direction, info, nodes, primitives, materials, lights, corners, textures, texels,
+    let (origin, direction) = eye_ray(camera, pixel, sample, tile.seed);
+    let (query, vertex) = first_diffuse(
+        known, rng, origin, direction, info, nodes, primitives, materials, lights, corners, textures, texels,
     );
     queries.set(i, query);
     vertices.set(i, vertex);
@@ -124,7 +126,8 @@ pub fn trace_camera<const FULL: bool, Q: Store<Query> + ?Sized, V: Store<Vertex>
 
 /// Follows a path through mirrors and glass to the first diffuse surface: where that is, and what the path knows of it.
 #[inline]
-pub(super) fn first_diffuse<const FULL: bool>(
+pub(super) fn first_diffuse(
+    known: impl Known,
     rng: Rng,
     mut origin: Vec3,
     mut direction: Vec3,
@@ -148,10 +151,10 @@ pub(super) fn first_diffuse<const FULL: bool>(
     let mut bounce = 0;
     while bounce < MAX_BOUNCES {
         vertex.rays += 1;
-        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives, materials, corners, textures, texels);
+        let hit = closest_hit(known, origin, direction, info, nodes, primitives, materials, corners, textures, texels);
         if hit.primitive == MISS || hit.primitive == LOST {
             vertex.primitive = hit.primitive;
-            if FULL && hit.primitive == MISS {
+            if known.sky() && hit.primitive == MISS {
                 let found = leaving(direction, density, info, lights, textures, texels);
                 emitted += throughput * found * outside(medium, materials);
             }
@@ -160,16 +163,18 @@ pub(super) fn first_diffuse<const FULL: bool>(
         vertex.distance += hit.t;
         let primitive = primitives[hit.primitive as usize];
         let (surface, material) =
-            surface_of::<FULL>(origin, direction, hit, info, &primitive, materials, corners, textures, texels);
+            surface_of(known, origin, direction, hit, info, &primitive, materials, corners, textures, texels);
         let point = surface.position;
         let cos = dot(direction, surface.normal);
         // Radiance inside of a medium, seen from where the camera is.
         let mut seen = 1.0;
-        if FULL {
+        if known.media() {
             medium = medium_before(medium, &material, primitive.material, cos);
             if medium != VACUUM {
                 throughput *= through(medium, hit.t, materials);
-                throughput *= roulette(throughput, Vec3::ONE, rng.draw4(FAINT_DIMENSION + bounce)[0]);
+                if absorbs(&materials[medium as usize]) {
+                    throughput *= roulette(throughput, Vec3::ONE, rng.draw4(FAINT_DIMENSION + bounce)[0]);
+                }
                 if throughput == Vec3::ZERO {
                     vertex.primitive = MISS;
                     break;
@@ -179,12 +184,12 @@ pub(super) fn first_diffuse<const FULL: bool>(
         }
         if primitive.light != NO_LIGHT && cos < 0.0 {
             let light = lights[primitive.light as usize];
-            let mut found = throughput * emission_at::<FULL>(&light, surface.uv, textures, texels);
-            if FULL {
+            let mut found = throughput * emission_at(known, &light, surface.uv, textures, texels);
+            if known.media() {
                 found *= seen;
-                if density > 0.0 {
-                    found *= power_heuristic(density, look_density(&light, origin, direction, hit.t));
-                }
+            }
+            if known.gloss() && density > 0.0 {
+                found *= power_heuristic(density, look_density(known, &light, origin, direction, hit.t));
             }
             emitted += found;
         }
@@ -193,27 +198,20 @@ pub(super) fn first_diffuse<const FULL: bool>(
             vertex.normal = surface.facing(surface.shading, direction).to_array();
             vertex.primitive = hit.primitive;
             let mut reflected = throughput * Vec3::from_array(material.reflectance);
-            if FULL {
+            if known.media() {
                 reflected *= seen;
             }
             vertex.weight = (reflected * div(1.0, core::f32::consts::PI)).to_array();
             break;
         }
         let draw = rng.draw4(bounce);
-        if !FULL {
-            let scattered = scatter_specular(&material, direction, surface.shading, draw[0]);
-            throughput *= scattered.weight;
-            direction = scattered.direction;
-            origin = leave(point, surface.side(scattered.side, direction), &primitive);
-            bounce += 1;
-            continue;
-        }
         let cos_seen = abs(dot(direction, surface.shading));
-        let chance = specular_chance(&material, cos_seen);
-        if is_glossy(&material) && info.lights > 0 {
+        let chance = if known.gloss() { specular_chance(known, &material, cos_seen) } else { 1.0 };
+        if known.gloss() && is_glossy(&material) && info.lights > 0 {
             let random = rng.draw4(SHADOW_DIMENSION + bounce);
             let place = [random[0], random[1], random[2]];
             let lit = next_event::<true>(
+                known,
                 direction,
                 cos,
                 &surface,
@@ -239,26 +237,30 @@ pub(super) fn first_diffuse<const FULL: bool>(
                 break;
             }
         }
-        if draw[3] >= chance {
+        if known.gloss() && draw[3] >= chance {
             query = Query { position: point.to_array(), active: 1 };
             vertex.normal = surface.facing(surface.shading, direction).to_array();
             vertex.primitive = hit.primitive;
-            let reflected = throughput * albedo_diffuse(&material, cos_seen) * seen;
+            let reflected = throughput * albedo_diffuse(known, &material, cos_seen) * seen;
             vertex.weight = (reflected * div(1.0, core::f32::consts::PI * (1.0 - chance))).to_array();
             break;
         }
-        let scattered = sample_specular(&material, direction, surface.shading, [draw[1], draw[2], draw[0]]);
+        let scattered = sample_specular(known, &material, direction, surface.shading, [draw[1], draw[2], draw[0]]);
         throughput *= scattered.weight;
-        if chance < 1.0 {
+        if known.gloss() && chance < 1.0 {
             throughput *= div(1.0, chance);
         }
-        density = scattered.pdf * chance;
+        if known.gloss() {
+            density = scattered.pdf * chance;
+        }
         direction = scattered.direction;
         let side = surface.side(scattered.side, direction);
         if leaks(&material, &surface, cos, side) {
             throughput = Vec3::ZERO;
         }
-        medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+        if known.media() {
+            medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+        }
         origin = leave(point, side, &primitive);
         if max(throughput.x, max(throughput.y, throughput.z)) < NOTHING {
             vertex.primitive = MISS;
@@ -272,14 +274,14 @@ pub(super) fn first_diffuse<const FULL: bool>(
 
 /// The ray of a sample: its origin and unit direction.
 #[inline]
-pub(super) fn eye_ray<const FULL: bool>(camera: &Camera, pixel: u32, sample: u32, seed: u32) -> (Vec3, Vec3) {
+pub(super) fn eye_ray(camera: &Camera, pixel: u32, sample: u32, seed: u32) -> (Vec3, Vec3) {
     let jitter = pixel_sobol(pixel, sample, seed, FILM_KEY);
     let x = (pixel % camera.width) as f32 + jitter[0] * camera.jitter;
     let y = (pixel / camera.width) as f32 + jitter[1] * camera.jitter;
     let origin = Vec3::from_array(camera.origin);
     let forward =
         Vec3::from_array(camera.corner) + Vec3::from_array(camera.right) * x + Vec3::from_array(camera.down) * y;
-    if FULL && camera.focus > 0.0 {
+    if camera.focus > 0.0 {
         // The film's plane is at distance 1, so this is the point in focus; all of the lens sees it at one place.
         let [u, v] = pixel_sobol(pixel, sample, seed, LENS_KEY);
         let on_lens = lens_point(camera, u, v);

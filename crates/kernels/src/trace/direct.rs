@@ -4,6 +4,7 @@ use super::bsdf::entrance;
 use super::bvh::BvhNode;
 use super::camera::{CameraTile, Vertex, pixel_sobol};
 use super::intersect::{LOST, MISS, leave, occluded};
+use super::known::Known;
 use super::light::{choose_light, look};
 use super::scene::{Light, Material, PRIMITIVE_SPHERE, Primitive, SceneInfo};
 use super::surface::Corners;
@@ -21,7 +22,8 @@ const CHOICE_KEY: u32 = 0x5f1a_0002;
 /// a point light; as much of it as reaches the diffuse lobe. Glass blocks shadow rays: what it lets through is a caustic. In place
 /// of photons it counts shadow rays.
 #[inline]
-pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
+pub fn shade_direct<D: Store<Irradiance> + ?Sized>(
+    known: impl Known,
     i: u32,
     tile: &CameraTile,
     info: &SceneInfo,
@@ -52,25 +54,26 @@ pub fn shade_direct<const FULL: bool, D: Store<Irradiance> + ?Sized>(
         let primitive = primitives[vertex.primitive as usize];
         // The side that is seen, of the surface as it is.
         let mut side = normal;
-        if FULL && primitive.kind != PRIMITIVE_SPHERE {
+        if known.bent() && primitive.kind != PRIMITIVE_SPHERE {
             side = Vec3::from_array(primitive.normal);
             side = if dot(side, normal) < 0.0 { -side } else { side };
         }
         let origin = leave(Vec3::from_array(query.position), side, &primitive);
-        let glimpse = look::<FULL>(&light, origin, at[0], at[1], info, corners, textures, texels);
+        let glimpse = look(known, &light, origin, at[0], at[1], info, corners, textures, texels);
         if glimpse.distance > 0.0 {
             let direction = glimpse.direction;
             let cos = dot(normal, direction);
             let mut geometry = 0.0;
             if cos > 0.0 && dot(side, direction) > 0.0 {
                 geometry = glimpse.geometry(cos, light.probability);
-                if FULL {
-                    geometry *= entrance(&materials[primitive.material as usize], cos);
+                if known.gloss() {
+                    geometry *= entrance(known, &materials[primitive.material as usize], cos);
                 }
             }
             if geometry > 0.0 {
                 let except = light.primitive;
-                let blocker = occluded::<FULL>(
+                let blocker = occluded(
+                    known,
                     origin,
                     direction,
                     glimpse.distance,

@@ -1,5 +1,6 @@
 //! How photons leave the lights.
 
+use super::known::Known;
 use super::light::{emission_at, is_surface, light_point, place_on_light, spot_falloff};
 use super::photons::{PhotonPass, RAY_GLOBAL};
 use super::scene::{
@@ -58,7 +59,8 @@ pub fn light_of_photon(index: u32, info: &SceneInfo, lights: &Input<Light>) -> u
 /// mean over these targets of the reciprocals of the cones or shadows that hold it, so that they may overlap.
 #[inline]
 #[must_use]
-pub fn emit<const FULL: bool>(
+pub fn emit(
+    known: impl Known,
     index: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -74,28 +76,28 @@ pub fn emit<const FULL: bool>(
     let light = lights[light_of_photon(index, info, lights) as usize];
     let share = div(1.0, light.photons as f32);
     let mut emission = Vec3::from_array(light.emission);
-    if FULL && light.kind == LIGHT_DIRECTIONAL {
+    if known.lamps() && light.kind == LIGHT_DIRECTIONAL {
         let (direction, middle) = (Vec3::from_array(light.normal), Vec3::from_array(light.position));
         return emit_parallel(pass.rays, &light, direction, middle, emission * share, targets, place, aim);
     }
-    if FULL && light.kind == LIGHT_ENVIRONMENT {
+    if known.sky() && light.kind == LIGHT_ENVIRONMENT {
         let drawn = sample_sky(&light, aim[0], aim[1], info, textures, texels);
         let radiance = sky_radiance(&light, drawn.direction, info, textures, texels);
         let middle = Vec3::from_array(light.position) + drawn.direction * light.edges[0][0];
         let irradiance = radiance * div(share, drawn.density);
         return emit_parallel(pass.rays, &light, -drawn.direction, middle, irradiance, targets, place, aim);
     }
-    let mut origin = light_point::<FULL>(&light, place[1], place[2]);
-    if FULL {
-        let uv = place_on_light(&light, place[1], place[2], info, corners);
-        emission = emission_at::<FULL>(&light, uv, textures, texels);
+    let mut origin = light_point(known, &light, place[1], place[2]);
+    if known.textures() {
+        let uv = place_on_light(known, &light, place[1], place[2], info, corners);
+        emission = emission_at(known, &light, uv, textures, texels);
     }
     let mut normal = Vec3::from_array(light.normal);
-    if FULL && light.kind == LIGHT_SPHERE {
+    if known.lamps() && light.kind == LIGHT_SPHERE {
         normal = sample_cone(Vec3::Z, 2.0, place[1], place[2]);
         origin = Vec3::from_array(light.position) + normal * light.edges[0][0];
     }
-    let surface = is_surface::<FULL>(&light);
+    let surface = is_surface(known, &light);
 
     if pass.rays == RAY_GLOBAL {
         if surface {
@@ -108,7 +110,7 @@ pub fn emit<const FULL: bool>(
                 primitive: light.primitive,
             };
         }
-        if FULL && light.kind == LIGHT_SPOT {
+        if known.lamps() && light.kind == LIGHT_SPOT {
             let direction = sample_cone(normal, light.edges[0][1], aim[0], aim[1]);
             let solid_angle = 2.0 * PI * light.edges[0][1];
             let power = emission * (spot_falloff(&light, direction) * solid_angle * share);
@@ -141,7 +143,7 @@ pub fn emit<const FULL: bool>(
         return Emitted { origin, normal, direction, power: emission * lit, primitive: light.primitive };
     }
     let mut power = emission * per_direction;
-    if FULL && light.kind == LIGHT_SPOT {
+    if known.lamps() && light.kind == LIGHT_SPOT {
         power *= spot_falloff(&light, direction);
     }
     Emitted { origin, normal, direction, power, primitive: NO_LIGHT }

@@ -5,6 +5,7 @@ use super::bsdf::entrance;
 use super::bvh::BvhNode;
 use super::camera::{Vertex, first_diffuse, pixel_sobol};
 use super::intersect::leave;
+use super::known::Known;
 use super::scene::{Light, Material, PRIMITIVE_SPHERE, Primitive, SceneInfo};
 use super::surface::Corners;
 use super::texture::{Texel, Texture};
@@ -40,6 +41,7 @@ pub struct GatherTile {
 /// Sends ray `i` of the tile from its sample's point, with the density cos θ / π, and follows it to the next diffuse surface.
 #[inline]
 pub fn trace_gather<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
+    known: impl Known,
     i: u32,
     tile: &GatherTile,
     info: &SceneInfo,
@@ -86,10 +88,10 @@ pub fn trace_gather<Q: Store<Query> + ?Sized, V: Store<Vertex> + ?Sized>(
         if dot(direction, side) > 0.0 {
             let origin = leave(Vec3::from_array(query.position), side, &primitive);
             let rng = Rng { seed: tile.seed, stream: STREAM ^ (number << 8), index: pixel };
-            (found, seen) = first_diffuse::<true>(
-                rng, origin, direction, info, nodes, primitives, materials, lights, corners, textures, texels,
+            (found, seen) = first_diffuse(
+                known, rng, origin, direction, info, nodes, primitives, materials, lights, corners, textures, texels,
             );
-            let enters = entrance(&materials[primitive.material as usize], dot(direction, normal));
+            let enters = entrance(known, &materials[primitive.material as usize], dot(direction, normal));
             seen.weight = (Vec3::from_array(seen.weight) * enters).to_array();
         }
     }

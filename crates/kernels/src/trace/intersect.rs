@@ -1,6 +1,7 @@
 //! Rays against primitives.
 
 use super::bvh::{BvhNode, INNER, LEAF_BITS, Slabs, list_of};
+use super::known::{ALL, Known};
 use super::scene::{Material, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_TRIANGLE, Primitive, SceneInfo};
 use super::surface::{Corners, is_hole};
 use super::texture::{Texel, Texture};
@@ -44,7 +45,8 @@ pub struct Hit {
 /// Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009).
 #[inline]
 #[must_use]
-pub fn closest_hit<const FULL: bool>(
+pub fn closest_hit(
+    known: impl Known,
     origin: Vec3,
     direction: Vec3,
     info: &SceneInfo,
@@ -56,26 +58,26 @@ pub fn closest_hit<const FULL: bool>(
     texels: &Input<Texel>,
 ) -> Hit {
     let slabs = Slabs::new(origin, direction);
-    let shear = shear_of::<FULL>(direction);
+    let shear = shear_of(known, direction);
     let mut best = Hit { t: f32::MAX, primitive: MISS };
     let mut lost = false;
-    let mut at = list_of::<FULL>(direction, info.lists) * info.nodes;
+    let mut at = list_of(known, direction, info.lists) * info.nodes;
     let end = at + info.nodes;
     while at < end {
         let mut leaf = INNER;
         while at < end && leaf == INNER {
             let node = nodes[at as usize];
-            let met = slabs.meet::<FULL>(&node, best.t);
+            let met = slabs.meet(known, &node, best.t);
             leaf = if met { node.leaf } else { INNER };
             at = if met { at + 1 } else { node.skip };
         }
         let mut i = leaf & FIRST;
         let last = i + (leaf >> LEAF_BITS);
         while i < last {
-            let t = meet::<FULL>(origin, direction, shear, &primitives[i as usize]);
+            let t = meet(known, origin, direction, shear, &primitives[i as usize]);
             if t > 0.0 && (t < best.t || (t == best.t && i < best.primitive)) {
                 let hit = Hit { t, primitive: i };
-                let hole = FULL
+                let hole = known.textures()
                     && info.holes != 0
                     && is_hole(origin, direction, hit, info, primitives, materials, corners, textures, texels);
                 if !hole {
@@ -97,7 +99,8 @@ pub fn closest_hit<const FULL: bool>(
 /// [`MISS`] or [`LOST`].
 #[inline]
 #[must_use]
-pub fn occluded<const FULL: bool>(
+pub fn occluded(
+    known: impl Known,
     origin: Vec3,
     direction: Vec3,
     distance: f32,
@@ -111,16 +114,16 @@ pub fn occluded<const FULL: bool>(
     texels: &Input<Texel>,
 ) -> u32 {
     let slabs = Slabs::new(origin, direction);
-    let shear = shear_of::<FULL>(direction);
+    let shear = shear_of(known, direction);
     let mut found = MISS;
     let mut lost = false;
-    let mut at = list_of::<FULL>(direction, info.lists) * info.nodes;
+    let mut at = list_of(known, direction, info.lists) * info.nodes;
     let end = at + info.nodes;
     while at < end && found == MISS {
         let mut leaf = INNER;
         while at < end && leaf == INNER {
             let node = nodes[at as usize];
-            let met = slabs.meet::<FULL>(&node, distance);
+            let met = slabs.meet(known, &node, distance);
             leaf = if met { node.leaf } else { INNER };
             at = if met { at + 1 } else { node.skip };
         }
@@ -128,10 +131,10 @@ pub fn occluded<const FULL: bool>(
         let last = i + (leaf >> LEAF_BITS);
         while i < last && found == MISS {
             if i != except {
-                let t = meet::<FULL>(origin, direction, shear, &primitives[i as usize]);
+                let t = meet(known, origin, direction, shear, &primitives[i as usize]);
                 if t > 0.0 && t < distance {
                     let hit = Hit { t, primitive: i };
-                    let hole = FULL
+                    let hole = known.textures()
                         && info.holes != 0
                         && is_hole(origin, direction, hit, info, primitives, materials, corners, textures, texels);
                     if !hole {
@@ -150,22 +153,22 @@ pub fn occluded<const FULL: bool>(
 #[inline]
 #[must_use]
 pub fn intersect(origin: Vec3, direction: Vec3, primitive: &Primitive) -> f32 {
-    meet::<true>(origin, direction, Shear::new(direction), primitive)
+    meet(ALL, origin, direction, Shear::new(direction), primitive)
 }
 
 #[inline]
-fn shear_of<const FULL: bool>(direction: Vec3) -> Shear {
-    if FULL { Shear::new(direction) } else { Shear::default() }
+fn shear_of(known: impl Known, direction: Vec3) -> Shear {
+    if known.meshes() { Shear::new(direction) } else { Shear::default() }
 }
 
 /// [`intersect`] of a ray whose shear is known.
 #[inline]
-fn meet<const FULL: bool>(origin: Vec3, direction: Vec3, shear: Shear, primitive: &Primitive) -> f32 {
+fn meet(known: impl Known, origin: Vec3, direction: Vec3, shear: Shear, primitive: &Primitive) -> f32 {
     let position = Vec3::from_array(primitive.position);
-    if FULL && primitive.kind == PRIMITIVE_TRIANGLE {
+    if known.meshes() && primitive.kind == PRIMITIVE_TRIANGLE {
         return meet_triangle(origin, direction, shear, corners_of(primitive));
     }
-    if primitive.kind == PRIMITIVE_QUAD || (FULL && primitive.kind == PRIMITIVE_DISC) {
+    if primitive.kind == PRIMITIVE_QUAD || (known.meshes() && primitive.kind == PRIMITIVE_DISC) {
         let normal = Vec3::from_array(primitive.normal);
         let slope = dot(normal, direction);
         if slope == 0.0 {
@@ -181,7 +184,7 @@ fn meet<const FULL: bool>(origin: Vec3, direction: Vec3, shear: Shear, primitive
         let u = abs(dot(local, Vec3::from_array(primitive.sides[0])));
         let v = abs(dot(local, Vec3::from_array(primitive.sides[1])));
         let edge = 0.5 + primitive.size;
-        if FULL && primitive.kind == PRIMITIVE_DISC && u * u + v * v > edge * edge {
+        if known.meshes() && primitive.kind == PRIMITIVE_DISC && u * u + v * v > edge * edge {
             return 0.0;
         }
         return if u <= edge && v <= edge { t } else { 0.0 };

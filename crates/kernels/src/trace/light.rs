@@ -1,5 +1,6 @@
 //! Lights as a point of a surface sees them.
 
+use super::known::Known;
 use super::scene::{
     LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_SPHERE, LIGHT_SPOT, LIGHT_TRIANGLE, Light,
     NO_TEXTURE, SceneInfo,
@@ -65,39 +66,39 @@ pub fn choose_light(u: f32, info: &SceneInfo, lights: &Input<Light>) -> u32 {
 /// Whether the light is a surface.
 #[inline]
 #[must_use]
-pub fn is_surface<const FULL: bool>(light: &Light) -> bool {
-    is_flat::<FULL>(light) || (FULL && light.kind == LIGHT_SPHERE)
+pub fn is_surface(known: impl Known, light: &Light) -> bool {
+    is_flat(known, light) || (known.lamps() && light.kind == LIGHT_SPHERE)
 }
 
 /// Whether the light is a flat surface, which shines from its front.
 #[inline]
 #[must_use]
-pub fn is_flat<const FULL: bool>(light: &Light) -> bool {
-    light.kind == LIGHT_AREA || (FULL && (light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_DISC))
+pub fn is_flat(known: impl Known, light: &Light) -> bool {
+    light.kind == LIGHT_AREA || (known.lamps() && (light.kind == LIGHT_TRIANGLE || light.kind == LIGHT_DISC))
 }
 
 /// Whether a ray can find the light by itself.
 #[inline]
 #[must_use]
-pub fn can_be_met(light: &Light) -> bool {
-    is_surface::<true>(light) || light.kind == LIGHT_ENVIRONMENT
+pub fn can_be_met(known: impl Known, light: &Light) -> bool {
+    is_surface(known, light) || (known.sky() && light.kind == LIGHT_ENVIRONMENT)
 }
 
 /// Point (u, v) of a flat light, evenly drawn, or the place of a point light.
 #[inline]
 #[must_use]
-pub fn light_point<const FULL: bool>(light: &Light, u: f32, v: f32) -> Vec3 {
+pub fn light_point(known: impl Known, light: &Light, u: f32, v: f32) -> Vec3 {
     let position = Vec3::from_array(light.position);
     let (mut u, mut v) = (u, v);
-    if FULL && light.kind == LIGHT_TRIANGLE && u + v > 1.0 {
+    if known.lamps() && light.kind == LIGHT_TRIANGLE && u + v > 1.0 {
         // The other half of the parallelogram, turned onto this one.
         u = 1.0 - u;
         v = 1.0 - v;
     }
-    if FULL && light.kind == LIGHT_DISC {
+    if known.lamps() && light.kind == LIGHT_DISC {
         [u, v] = sample_disc(u, v);
     }
-    if is_flat::<FULL>(light) {
+    if is_flat(known, light) {
         position + Vec3::from_array(light.edges[0]) * u + Vec3::from_array(light.edges[1]) * v
     } else {
         position
@@ -107,15 +108,22 @@ pub fn light_point<const FULL: bool>(light: &Light, u: f32, v: f32) -> Vec3 {
 /// Texture coordinates of the point (u, v) of a flat light that has a texture.
 #[inline]
 #[must_use]
-pub(super) fn place_on_light(light: &Light, u: f32, v: f32, info: &SceneInfo, corners: &Input<Corners>) -> [f32; 2] {
+pub(super) fn place_on_light(
+    known: impl Known,
+    light: &Light,
+    u: f32,
+    v: f32,
+    info: &SceneInfo,
+    corners: &Input<Corners>,
+) -> [f32; 2] {
     if light.texture == NO_TEXTURE {
         return [0.0; 2];
     }
-    if light.kind == LIGHT_DISC {
+    if known.lamps() && light.kind == LIGHT_DISC {
         let [x, y] = sample_disc(u, v);
         return [x * 0.5 + 0.5, y * 0.5 + 0.5];
     }
-    if light.kind != LIGHT_TRIANGLE {
+    if !known.lamps() || light.kind != LIGHT_TRIANGLE {
         return [u, v];
     }
     let (mut u, mut v) = (u, v);
@@ -131,14 +139,15 @@ pub(super) fn place_on_light(light: &Light, u: f32, v: f32, info: &SceneInfo, co
 /// Emission of a light at texture coordinates `uv`.
 #[inline]
 #[must_use]
-pub(super) fn emission_at<const FULL: bool>(
+pub(super) fn emission_at(
+    known: impl Known,
     light: &Light,
     uv: [f32; 2],
     textures: &Input<Texture>,
     texels: &Input<Texel>,
 ) -> Vec3 {
     let emission = Vec3::from_array(light.emission);
-    if FULL && light.texture != NO_TEXTURE {
+    if known.textures() && light.texture != NO_TEXTURE {
         return emission * texel_at(&textures[light.texture as usize], uv, texels).truncate();
     }
     emission
@@ -162,7 +171,8 @@ pub fn spot_falloff(light: &Light, direction: Vec3) -> f32 {
 /// Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG 1996).
 #[inline]
 #[must_use]
-pub fn look<const FULL: bool>(
+pub fn look(
+    known: impl Known,
     light: &Light,
     from: Vec3,
     u: f32,
@@ -172,7 +182,7 @@ pub fn look<const FULL: bool>(
     textures: &Input<Texture>,
     texels: &Input<Texel>,
 ) -> Glimpse {
-    if FULL && light.kind == LIGHT_ENVIRONMENT {
+    if known.sky() && light.kind == LIGHT_ENVIRONMENT {
         return look_at_sky(light, u, v, info, textures, texels);
     }
     let mut glimpse = Glimpse {
@@ -183,12 +193,12 @@ pub fn look<const FULL: bool>(
         extent: 1.0,
         slant: 1.0,
     };
-    if FULL && light.kind == LIGHT_DIRECTIONAL {
+    if known.lamps() && light.kind == LIGHT_DIRECTIONAL {
         glimpse.direction = -Vec3::from_array(light.normal);
         glimpse.distance = FAR_AWAY;
         return glimpse;
     }
-    if FULL && light.kind == LIGHT_SPHERE {
+    if known.lamps() && light.kind == LIGHT_SPHERE {
         let axis = Vec3::from_array(light.position) - from;
         let radius = light.edges[0][0];
         if dot(axis, axis) <= radius * radius {
@@ -204,22 +214,22 @@ pub fn look<const FULL: bool>(
         glimpse.extent = 2.0 * PI * one_minus_cos;
         return glimpse;
     }
-    let to_light = light_point::<FULL>(light, u, v) - from;
+    let to_light = light_point(known, light, u, v) - from;
     let distance2 = dot(to_light, to_light);
     let distance = sqrt(distance2);
     if distance > 0.0 {
         glimpse.direction = to_light * div(1.0, distance);
         glimpse.distance = distance;
         glimpse.spread = distance2;
-        if is_flat::<FULL>(light) {
+        if is_flat(known, light) {
             glimpse.slant = max(0.0, -dot(Vec3::from_array(light.normal), glimpse.direction));
             glimpse.extent = light.area;
-            if FULL {
-                let uv = place_on_light(light, u, v, info, corners);
-                glimpse.emission = emission_at::<FULL>(light, uv, textures, texels);
+            if known.textures() {
+                let uv = place_on_light(known, light, u, v, info, corners);
+                glimpse.emission = emission_at(known, light, uv, textures, texels);
             }
         }
-        if FULL && light.kind == LIGHT_SPOT {
+        if known.lamps() && light.kind == LIGHT_SPOT {
             glimpse.emission *= spot_falloff(light, -glimpse.direction);
         }
     }
@@ -230,8 +240,8 @@ pub fn look<const FULL: bool>(
 /// the light's front at the distance `distance`.
 #[inline]
 #[must_use]
-pub fn look_density(light: &Light, from: Vec3, direction: Vec3, distance: f32) -> f32 {
-    if light.kind == LIGHT_SPHERE {
+pub fn look_density(known: impl Known, light: &Light, from: Vec3, direction: Vec3, distance: f32) -> f32 {
+    if known.lamps() && light.kind == LIGHT_SPHERE {
         let one_minus_cos = cone(Vec3::from_array(light.position) - from, light.edges[0][0]);
         return light.probability * cone_density(one_minus_cos);
     }

@@ -68,14 +68,22 @@ pub fn leaks(met: &Material, surface: &Surface, cos: f32, side: Vec3) -> bool {
     surface.smooth && !is_dielectric(met) && (dot(side, surface.normal) > 0.0) == (cos > 0.0)
 }
 
+/// Whether the inside of the material takes anything from light. Where it does not, nothing grows faint in it, and [`roulette`] has no part.
+#[inline]
+#[must_use]
+pub fn absorbs(material: &Material) -> bool {
+    let [red, green, blue] = material.absorption;
+    red + green + blue != 0.0
+}
+
 /// Share of the light that is left after `distance` m inside of the material (Beer 1852), for each of red, green and blue.
 #[inline]
 #[must_use]
 pub fn transmittance(material: &Material, distance: f32) -> Vec3 {
-    let [red, green, blue] = material.absorption;
-    if red + green + blue == 0.0 {
+    if !absorbs(material) {
         return Vec3::ONE;
     }
+    let [red, green, blue] = material.absorption;
     Vec3::new(exp(-(red * distance)), exp(-(green * distance)), exp(-(blue * distance)))
 }
 

@@ -16,6 +16,7 @@ mod emission;
 mod film;
 mod final_gather;
 mod intersect;
+pub mod known;
 mod lattice;
 mod layers;
 mod ledger;
@@ -39,6 +40,7 @@ pub use film::{
 };
 pub use final_gather::{GatherTile, sum_gather, trace_gather};
 pub use intersect::{BLOCKED, Hit, LOST, MISS, closest_hit, corners_of, intersect, leave, occluded};
+pub use known::{ALL, EVERYTHING, Known, Only, Told};
 pub use lattice::{LatticeTile, lend_irradiance, spare_queries};
 pub use layers::{LayerPixel, develop_layers};
 pub use ledger::{LEDGER_PATHS, LedgerBlock, LedgerPass, LedgerSum, Tally, sum_ledger};

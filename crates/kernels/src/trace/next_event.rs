@@ -3,6 +3,7 @@
 use super::bsdf::{evaluate, evaluate_specular};
 use super::bvh::BvhNode;
 use super::intersect::{BLOCKED, LOST, leave, occluded};
+use super::known::Known;
 use super::light::{can_be_met, choose_light, look, power_heuristic};
 use super::medium::{VACUUM, medium_after, seen_from_outside, transmittance};
 use super::scene::{Light, Material, Primitive, SceneInfo};
@@ -18,6 +19,7 @@ use glam::Vec3;
 /// the lobes that are in. `medium` is that of the ray that came here.
 #[inline]
 pub(super) fn next_event<const GLOSS: bool>(
+    known: impl Known,
     direction: Vec3,
     cos: f32,
     surface: &Surface,
@@ -38,15 +40,15 @@ pub(super) fn next_event<const GLOSS: bool>(
 ) -> (Vec3, u32, bool) {
     let nothing = (Vec3::ZERO, 0, false);
     let light = lights[choose_light(place[0], info, lights) as usize];
-    let glimpse = look::<true>(&light, surface.position, place[1], place[2], info, corners, textures, texels);
+    let glimpse = look(known, &light, surface.position, place[1], place[2], info, corners, textures, texels);
     if glimpse.distance <= 0.0 {
         return nothing;
     }
     let out = glimpse.direction;
     let (value, pdf) = if GLOSS {
-        evaluate_specular(material, direction, out, surface.shading)
+        evaluate_specular(known, material, direction, out, surface.shading)
     } else {
-        evaluate(material, direction, out, surface.shading)
+        evaluate(known, material, direction, out, surface.shading)
     };
     let geometry = glimpse.geometry(1.0, light.probability);
     let mut radiance = value * glimpse.emission * geometry;
@@ -58,16 +60,19 @@ pub(super) fn next_event<const GLOSS: bool>(
     if by_surface != (dot(out, surface.shading) > 0.0) {
         return nothing;
     }
-    if can_be_met(&light) {
+    if can_be_met(known, &light) {
         radiance *= power_heuristic(div(1.0, geometry), pdf * chance);
     }
     let side = if by_surface { surface.normal } else { -surface.normal };
     // The light is in the medium that the shadow ray is in.
-    let medium = medium_after(medium, material, index, cos, surface.normal, side);
-    radiance *= through(medium, glimpse.distance, materials) * outside(medium, materials);
+    if known.media() {
+        let medium = medium_after(medium, material, index, cos, surface.normal, side);
+        radiance *= through(medium, glimpse.distance, materials) * outside(medium, materials);
+    }
     let origin = leave(surface.position, side, primitive);
     let except = light.primitive;
-    let blocker = occluded::<true>(
+    let blocker = occluded(
+        known,
         origin,
         out,
         glimpse.distance,

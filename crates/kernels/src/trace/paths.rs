@@ -9,6 +9,7 @@ use super::bsdf::sample;
 use super::bvh::BvhNode;
 use super::camera::{Camera, CameraTile, Vertex, eye_ray};
 use super::intersect::{LOST, MISS, closest_hit, leave};
+use super::known::Known;
 use super::light::{emission_at, look_density, power_heuristic};
 use super::medium::{VACUUM, leaks, medium_after, medium_before};
 use super::next_event::{next_event, outside, through};
@@ -34,6 +35,7 @@ const NOTHING: f32 = 1e-30;
 /// or [`LOST`] if any ray of the path was.
 #[inline]
 pub fn trace_paths<V: Store<Vertex> + ?Sized>(
+    known: impl Known,
     i: u32,
     tile: &CameraTile,
     camera: &Camera,
@@ -53,7 +55,7 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     let pixel = tile.first_pixel + i / tile.samples;
     let index = i % tile.samples;
     let rng = Rng { seed: tile.seed, stream: STREAM ^ (index << 8), index: pixel };
-    let (mut origin, mut direction) = eye_ray::<true>(camera, pixel, index, tile.seed);
+    let (mut origin, mut direction) = eye_ray(camera, pixel, index, tile.seed);
     let mut vertex =
         Vertex { normal: [0.0; 3], primitive: LOST, weight: [0.0; 3], emitted: [0.0; 3], rays: 0, distance: 0.0 };
     let mut radiance = Vec3::ZERO;
@@ -66,13 +68,13 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
     let mut lost = false;
     while going {
         vertex.rays += 1;
-        let hit = closest_hit::<true>(origin, direction, info, nodes, primitives, materials, corners, textures, texels);
+        let hit = closest_hit(known, origin, direction, info, nodes, primitives, materials, corners, textures, texels);
         if bounce == 0 {
             vertex.primitive = hit.primitive;
         }
         if hit.primitive == MISS || hit.primitive == LOST {
             lost = lost || hit.primitive == LOST;
-            if hit.primitive == MISS {
+            if known.sky() && hit.primitive == MISS {
                 let found = leaving(direction, density, info, lights, textures, texels);
                 radiance += throughput * found * outside(medium, materials);
             }
@@ -80,18 +82,23 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
         }
         let primitive = primitives[hit.primitive as usize];
         let (surface, material) =
-            surface_of::<true>(origin, direction, hit, info, &primitive, materials, corners, textures, texels);
+            surface_of(known, origin, direction, hit, info, &primitive, materials, corners, textures, texels);
         let cos = dot(direction, surface.normal);
-        medium = medium_before(medium, &material, primitive.material, cos);
-        throughput *= through(medium, hit.t, materials);
+        // Radiance inside of a medium, seen from where the camera is.
+        let mut seen = 1.0;
+        if known.media() {
+            medium = medium_before(medium, &material, primitive.material, cos);
+            throughput *= through(medium, hit.t, materials);
+            seen = outside(medium, materials);
+        }
         if primitive.light != NO_LIGHT && cos < 0.0 {
             let light = lights[primitive.light as usize];
             let mut share = 1.0;
             if density > 0.0 {
-                share = power_heuristic(density, look_density(&light, origin, direction, hit.t));
+                share = power_heuristic(density, look_density(known, &light, origin, direction, hit.t));
             }
-            let emission = emission_at::<true>(&light, surface.uv, textures, texels);
-            radiance += throughput * emission * (share * outside(medium, materials));
+            let emission = emission_at(known, &light, surface.uv, textures, texels);
+            radiance += throughput * emission * (share * seen);
         }
 
         let draw = rng.draw4(2 * bounce);
@@ -99,8 +106,8 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
             let place = [draw[0], draw[1], draw[2]];
             let index = primitive.material;
             let lit = next_event::<false>(
-                direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes, primitives,
-                materials, lights, corners, textures, texels,
+                known, direction, cos, &surface, &primitive, index, &material, 1.0, medium, place, info, nodes,
+                primitives, materials, lights, corners, textures, texels,
             );
             radiance += throughput * lit.0;
             vertex.rays += lit.1;
@@ -108,7 +115,7 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
         }
 
         let turn = rng.draw4(2 * bounce + 1);
-        let scattered = sample(&material, direction, surface.shading, [turn[0], turn[1], turn[2]]);
+        let scattered = sample(known, &material, direction, surface.shading, [turn[0], turn[1], turn[2]]);
         throughput *= scattered.weight;
         density = scattered.pdf;
         direction = scattered.direction;
@@ -116,7 +123,9 @@ pub fn trace_paths<V: Store<Vertex> + ?Sized>(
         if leaks(&material, &surface, cos, side) {
             throughput = Vec3::ZERO;
         }
-        medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+        if known.media() {
+            medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+        }
         origin = leave(surface.position, side, &primitive);
         let brightest = max(throughput.x, max(throughput.y, throughput.z));
         bounce += 1;

@@ -9,8 +9,9 @@ use super::bsdf::{albedo_diffuse, entrance, is_diffuse, sample_specular, scatter
 use super::bvh::BvhNode;
 use super::emission::emit;
 use super::intersect::{LOST, MISS, closest_hit, leave};
+use super::known::Known;
 use super::ledger::Tally;
-use super::medium::{VACUUM, leaks, medium_after, medium_before, roulette, transmittance};
+use super::medium::{VACUUM, absorbs, leaks, medium_after, medium_before, roulette, transmittance};
 use super::scene::{
     Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_MIRROR, Material, NO_LIGHT, PRIMITIVE_SPHERE, Primitive,
     SceneInfo, Target,
@@ -63,12 +64,12 @@ const _: () = assert!(SCAN_BLOCK <= u32::MAX / MAX_BOUNCES);
 /// of its power, and how many segments, rays from one surface to the next, it had.
 #[inline]
 pub fn count_photons<
-    const FULL: bool,
     C: Store<u32> + ?Sized,
     F: Store<u32> + ?Sized,
     S: Store<u32> + ?Sized,
     T: Store<Tally> + ?Sized,
 >(
+    known: impl Known,
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -87,7 +88,8 @@ pub fn count_photons<
 ) {
     if i < pass.paths {
         let path = pass.first + i;
-        let walked = walk::<FULL, _>(
+        let walked = walk(
+            known,
             path,
             pass,
             info,
@@ -112,7 +114,8 @@ pub fn count_photons<
 /// Stores the photons of the `i`-th path of the dispatch from the path's place on: its offset in its scan block, plus the
 /// offset of that block.
 #[inline]
-pub fn store_photons<const FULL: bool, P: Store<Photon> + ?Sized>(
+pub fn store_photons<P: Store<Photon> + ?Sized>(
+    known: impl Known,
     i: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -139,9 +142,7 @@ pub fn store_photons<const FULL: bool, P: Store<Photon> + ?Sized>(
                 photons.set(place + n, photon);
             }
         };
-        walk::<FULL, _>(
-            path, pass, info, nodes, primitives, materials, lights, targets, corners, textures, texels, keep,
-        );
+        walk(known, path, pass, info, nodes, primitives, materials, lights, targets, corners, textures, texels, keep);
     }
 }
 
@@ -161,7 +162,8 @@ struct Walked {
 
 /// Walks path `path` and hands each photon it stores, with its number on the path, to `store`.
 #[inline]
-fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
+fn walk<F: FnMut(u32, Photon)>(
+    known: impl Known,
     path: u32,
     pass: &PhotonPass,
     info: &SceneInfo,
@@ -177,7 +179,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
 ) -> Walked {
     let mut walked = Walked { stored: 0, segments: 0, landed: false, cut: false, tally: Tally::nothing() };
     let rng = Rng { seed: pass.seed, stream: pass.rays, index: path };
-    let start = emit::<FULL>(path, pass, info, lights, targets, corners, textures, texels);
+    let start = emit(known, path, pass, info, lights, targets, corners, textures, texels);
     let mut power = start.power;
     walked.tally.emitted = power.to_array();
     if power.x + power.y + power.z <= 0.0 {
@@ -186,7 +188,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
     let mut origin = start.origin;
     if start.primitive != NO_LIGHT {
         let lamp = primitives[start.primitive as usize];
-        let sphere = FULL && lamp.kind == PRIMITIVE_SPHERE;
+        let sphere = known.lamps() && lamp.kind == PRIMITIVE_SPHERE;
         let normal = if sphere { start.normal } else { Vec3::from_array(lamp.normal) };
         origin = leave(origin, normal, &lamp);
     }
@@ -199,7 +201,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
     let mut given_up = true;
     while bounce < MAX_BOUNCES {
         walked.segments += 1;
-        let hit = closest_hit::<FULL>(origin, direction, info, nodes, primitives, materials, corners, textures, texels);
+        let hit = closest_hit(known, origin, direction, info, nodes, primitives, materials, corners, textures, texels);
         if hit.primitive == MISS {
             walked.tally.escaped = power.to_array();
             given_up = false;
@@ -210,25 +212,28 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
         }
         let primitive = primitives[hit.primitive as usize];
         let (surface, material) =
-            surface_of::<FULL>(origin, direction, hit, info, &primitive, materials, corners, textures, texels);
+            surface_of(known, origin, direction, hit, info, &primitive, materials, corners, textures, texels);
         let point = surface.position;
         let cos = dot(direction, surface.normal);
-        if FULL {
+        if known.media() {
             medium = medium_before(medium, &material, primitive.material, cos);
             if medium != VACUUM {
-                let left = power * transmittance(&materials[medium as usize], hit.t);
-                absorbed += power - left;
-                power = left * roulette(left, start.power, rng.draw4(2 + MAX_BOUNCES + bounce)[0]);
-                if power == Vec3::ZERO {
-                    given_up = false;
-                    break;
+                let inside = materials[medium as usize];
+                if absorbs(&inside) {
+                    let left = power * transmittance(&inside, hit.t);
+                    absorbed += power - left;
+                    power = left * roulette(left, start.power, rng.draw4(2 + MAX_BOUNCES + bounce)[0]);
+                    if power == Vec3::ZERO {
+                        given_up = false;
+                        break;
+                    }
                 }
             }
         }
         let draw = rng.draw4(2 + bounce);
         let lambertian = material.kind == MATERIAL_LAMBERTIAN;
-        let cos_seen = if FULL { abs(dot(direction, surface.shading)) } else { 0.0 };
-        if lambertian || (FULL && is_diffuse(&material)) {
+        let cos_seen = if known.gloss() { abs(dot(direction, surface.shading)) } else { 0.0 };
+        if lambertian || (known.gloss() && is_diffuse(&material)) {
             walked.landed = true;
             let wanted =
                 if pass.rays == RAY_GLOBAL { diffuse_bounces >= pass.stored_from } else { specular_bounces > 0 };
@@ -238,7 +243,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
             let kept = pass.thin <= 1 || rng.draw4(2 + 2 * MAX_BOUNCES + bounce)[0] * thin < 1.0;
             if wanted && kept && material.survival > 0.0 {
                 // A coat lets only a part of the light through to what is diffuse.
-                let entering = thin * if FULL { power * entrance(&material, cos_seen) } else { power };
+                let entering = thin * if known.gloss() { power * entrance(known, &material, cos_seen) } else { power };
                 store(
                     walked.stored,
                     Photon {
@@ -271,9 +276,9 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
             direction = sample_cosine(facing, draw[1], draw[2]);
             origin = leave(point, facing, &primitive);
             diffuse_bounces += 1;
-        } else if FULL && material.kind != MATERIAL_MIRROR && material.kind != MATERIAL_DIELECTRIC {
+        } else if known.gloss() && material.kind != MATERIAL_MIRROR && material.kind != MATERIAL_DIELECTRIC {
             // Photons for the caustic map end where they meet what is diffuse, and go on from a coat over it.
-            let chance = if pass.rays == RAY_GLOBAL { specular_chance(&material, cos_seen) } else { 1.0 };
+            let chance = if pass.rays == RAY_GLOBAL { specular_chance(known, &material, cos_seen) } else { 1.0 };
             let mut weight = Vec3::ZERO;
             let mut side = surface.facing(surface.normal, direction);
             let diffuse = draw[1] >= chance;
@@ -281,18 +286,21 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
                 let into = direction;
                 direction = sample_cosine(side, draw[2], draw[3]);
                 let cos_out = dot(direction, surface.facing(surface.shading, into));
-                weight = albedo_diffuse(&material, cos_out) * div(entrance(&material, cos_seen), 1.0 - chance);
+                weight =
+                    albedo_diffuse(known, &material, cos_out) * div(entrance(known, &material, cos_seen), 1.0 - chance);
                 diffuse_bounces += 1;
             } else {
                 // What is left of the number is uniform again.
                 let rest = if chance < 1.0 { div(draw[1], chance) } else { draw[1] };
-                let scattered = sample_specular(&material, direction, surface.shading, [draw[2], draw[3], rest]);
+                let scattered = sample_specular(known, &material, direction, surface.shading, [draw[2], draw[3], rest]);
                 direction = scattered.direction;
                 side = surface.side(scattered.side, direction);
                 if !leaks(&material, &surface, cos, side) {
                     weight = scattered.weight * div(1.0, chance);
                 }
-                medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+                if known.media() {
+                    medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
+                }
                 specular_bounces += 1;
             }
             absorbed += power * (Vec3::ONE - weight);
@@ -314,7 +322,7 @@ fn walk<const FULL: bool, F: FnMut(u32, Photon)>(
             power *= scattered.weight * div(1.0, material.survival);
             direction = scattered.direction;
             let side = surface.side(scattered.side, direction);
-            if FULL {
+            if known.media() {
                 medium = medium_after(medium, &material, primitive.material, cos, surface.normal, side);
             }
             origin = leave(point, side, &primitive);

@@ -44,9 +44,8 @@ pub const NO_TEXTURE: u32 = 0xffff_ffff;
 
 /// How many of each the scene has.
 ///
-/// The tracing kernels exist twice: BASIC ones know quads and spheres, lambertian, mirror and clear dielectric materials of one colour, lights of quads and points, and
-/// pinholes;
-/// FULL ones know everything. Both are one body, and give a scene that BASIC ones can trace the same bits.
+/// All tracing kernels know quads and spheres, lambertian, mirror and clear dielectric materials of one colour, lights of quads and points, pinholes and
+/// lenses. What else there is they know by their mask: see [`known`](super::known).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct SceneInfo {
@@ -58,7 +57,7 @@ pub struct SceneInfo {
     pub targets: u32,
     /// Number of nodes of the tree, of each of its lists.
     pub nodes: u32,
-    /// Lists of nodes: 8, 4, 2 or 1. BASIC kernels take it for 8.
+    /// Lists of nodes: 8, 4, 2 or 1. Kernels that do not know [`MESHES`](super::known::MESHES) take it for 8.
     pub lists: u32,
     /// First primitive that has [`Corners`](super::Corners): those from here on are triangles with normals and texture coordinates.
     pub first_corners: u32,

@@ -1,6 +1,7 @@
 //! What a surface is like where a ray meets it.
 
 use super::intersect::{Hit, corners_of};
+use super::known::Known;
 use super::scene::{
     MATERIAL_LAYERED, Material, NO_TEXTURE, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE,
     Primitive, SceneInfo,
@@ -64,7 +65,8 @@ impl Surface {
 /// The surface where a ray of unit direction meets it.
 #[inline]
 #[must_use]
-pub fn surface_at<const FULL: bool>(
+pub fn surface_at(
+    known: impl Known,
     origin: Vec3,
     direction: Vec3,
     hit: Hit,
@@ -72,21 +74,19 @@ pub fn surface_at<const FULL: bool>(
     primitive: &Primitive,
     corners: &Input<Corners>,
 ) -> Surface {
-    let (position, normal) = point_of::<FULL>(origin, direction, hit.t, primitive);
+    let (position, normal) = point_of(known, origin, direction, hit.t, primitive);
     let mut surface = Surface { position, normal, shading: normal, uv: [0.0; 2], smooth: false };
-    if FULL {
-        if has_corners(hit.primitive, info, primitive) {
-            let corners = corners[(hit.primitive - info.first_corners) as usize];
-            let part = shares(corners_of(primitive), origin + direction * hit.t);
-            let mut shading = unpack_direction(corners.normals[0]) * part[0];
-            shading += unpack_direction(corners.normals[1]) * part[1];
-            shading += unpack_direction(corners.normals[2]) * part[2];
-            surface.shading = usable(shading, normal, direction);
-            surface.uv = mixed(&corners, part);
-            surface.smooth = true;
-        } else if is_parallelogram(primitive) {
-            surface.uv = on_edges(primitive, position);
-        }
+    if known.meshes() && has_corners(hit.primitive, info, primitive) {
+        let corners = corners[(hit.primitive - info.first_corners) as usize];
+        let part = shares(corners_of(primitive), origin + direction * hit.t);
+        let mut shading = unpack_direction(corners.normals[0]) * part[0];
+        shading += unpack_direction(corners.normals[1]) * part[1];
+        shading += unpack_direction(corners.normals[2]) * part[2];
+        surface.shading = usable(shading, normal, direction);
+        surface.uv = mixed(&corners, part);
+        surface.smooth = true;
+    } else if known.textures() && is_parallelogram(primitive) {
+        surface.uv = on_edges(primitive, position);
     }
     surface
 }
@@ -151,7 +151,8 @@ pub(super) fn is_hole(
 /// The surface and its material where a ray of unit direction meets them, with the shading normal bent by the material's texture.
 #[inline]
 #[must_use]
-pub fn surface_of<const FULL: bool>(
+pub fn surface_of(
+    known: impl Known,
     origin: Vec3,
     direction: Vec3,
     hit: Hit,
@@ -162,9 +163,9 @@ pub fn surface_of<const FULL: bool>(
     textures: &Input<Texture>,
     texels: &Input<Texel>,
 ) -> (Surface, Material) {
-    let mut surface = surface_at::<FULL>(origin, direction, hit, info, primitive, corners);
-    let material = material_at::<FULL>(primitive.material, surface.uv, materials, textures, texels);
-    if FULL && material.normal_texture != NO_TEXTURE {
+    let mut surface = surface_at(known, origin, direction, hit, info, primitive, corners);
+    let material = material_at(known, primitive.material, surface.uv, materials, textures, texels);
+    if known.textures() && material.normal_texture != NO_TEXTURE {
         let (tangent, mirrored) = tangent_at(hit.primitive, info, primitive, corners);
         // Across the normal; where the picture has no direction on the surface, the normal stays.
         let across = tangent - surface.shading * dot(tangent, surface.shading);
@@ -214,7 +215,13 @@ fn tangent_at(index: u32, info: &SceneInfo, primitive: &Primitive, corners: &Inp
 /// comes to lie behind the other wall.
 #[inline]
 #[must_use]
-pub(super) fn point_of<const FULL: bool>(origin: Vec3, direction: Vec3, t: f32, primitive: &Primitive) -> (Vec3, Vec3) {
+pub(super) fn point_of(
+    known: impl Known,
+    origin: Vec3,
+    direction: Vec3,
+    t: f32,
+    primitive: &Primitive,
+) -> (Vec3, Vec3) {
     let position = Vec3::from_array(primitive.position);
     let point = origin + direction * t;
     if primitive.kind == PRIMITIVE_SPHERE {
@@ -224,7 +231,7 @@ pub(super) fn point_of<const FULL: bool>(origin: Vec3, direction: Vec3, t: f32, 
     let normal = Vec3::from_array(primitive.normal);
     let local = point - position;
     let flat = local - normal * dot(normal, local);
-    if FULL && primitive.kind == PRIMITIVE_TRIANGLE {
+    if known.meshes() && primitive.kind == PRIMITIVE_TRIANGLE {
         let [a, b, c] = corners_of(primitive);
         let middle = ((b - a) + (c - a)) * (1.0 / 3.0);
         return (position + (flat + (middle - flat) * primitive.size), normal);
@@ -258,7 +265,8 @@ fn usable(shading: Vec3, normal: Vec3, d: Vec3) -> Vec3 {
 /// The material of this index, at texture coordinates `uv`.
 #[inline]
 #[must_use]
-pub fn material_at<const FULL: bool>(
+pub fn material_at(
+    known: impl Known,
     index: u32,
     uv: [f32; 2],
     materials: &Input<Material>,
@@ -266,14 +274,14 @@ pub fn material_at<const FULL: bool>(
     texels: &Input<Texel>,
 ) -> Material {
     let mut material = materials[index as usize];
-    if FULL && material.texture != NO_TEXTURE {
+    if known.textures() && material.texture != NO_TEXTURE {
         let texel = texel_at(&textures[material.texture as usize], uv, texels);
         let r = Vec3::from_array(material.reflectance) * texel.truncate();
         material.reflectance = r.to_array();
         // Of a layered material it says only whether anything survives.
         material.survival = if material.kind == MATERIAL_LAYERED { 1.0 } else { max(r.x, max(r.y, r.z)) };
     }
-    if FULL && material.roughness_texture != NO_TEXTURE {
+    if known.textures() && material.roughness_texture != NO_TEXTURE {
         let texel = texel_at(&textures[material.roughness_texture as usize], uv, texels);
         // What a picture holds is the perceptual roughness, whose square is α.
         material.roughness *= texel.y * texel.y;

@@ -3,14 +3,15 @@
 use super::bvh;
 use super::content::{Content, Glass, Layers, NOTHING, Pictures, Shape, Spot, Substance, Surface};
 use super::lights::{Source, chances, share_photons};
+use super::needs::needs;
 use super::substances::smoothest;
 use super::targets::{aim, boxed, targets};
 use crate::Feature;
 use caustic_kernels::trace::{
     BvhNode, Corners, LIGHT_AREA, LIGHT_DIRECTIONAL, LIGHT_DISC, LIGHT_ENVIRONMENT, LIGHT_POINT, LIGHT_SPHERE,
     LIGHT_SPOT, LIGHT_TRIANGLE, Light, MATERIAL_DIELECTRIC, MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_MIRROR,
-    MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE, OCTANTS, PRIMITIVE_DISC, PRIMITIVE_QUAD,
-    PRIMITIVE_SPHERE, PRIMITIVE_TRIANGLE, Primitive, RAY_GLOBAL, SceneInfo, Target, Texel, Texture,
+    MATERIAL_ROUGH_DIELECTRIC, Material, NO_LIGHT, NO_TEXTURE, PRIMITIVE_DISC, PRIMITIVE_QUAD, PRIMITIVE_SPHERE,
+    PRIMITIVE_TRIANGLE, Primitive, RAY_GLOBAL, SceneInfo, Target, Texel, Texture,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -20,10 +21,10 @@ use std::f64::consts::PI;
 pub struct CompiledScene {
     /// How many of each there are.
     pub info: SceneInfo,
-    /// Whether it takes the FULL kernels to trace it; BASIC ones are faster.
-    pub full: bool,
-    /// What only FULL kernels know of it.
-    pub beyond_basic: Vec<&'static str>,
+    /// What kernels have to [know](caustic_kernels::trace::known) of it.
+    pub needs: u32,
+    /// What the kernels that trace it know: what they have to, and what is forced.
+    pub known: u32,
     /// The tree over the primitives: [`SceneInfo::lists`] lists of [`SceneInfo::nodes`] nodes.
     pub nodes: Vec<BvhNode>,
     /// Quads, then spheres, discs and triangles, each in the file's order; those with corners last.
@@ -125,23 +126,7 @@ pub(super) fn compile(content: &Content, forced: &[Feature]) -> CompiledScene {
     share_photons(&mut lights, 1 << 20, |_| true);
     let materials: Vec<Material> =
         content.materials.iter().zip(&content.pictures).map(|(of, pictures)| material(of, *pictures)).collect();
-    let basic_light = |light: &Light| light.kind == LIGHT_AREA || light.kind == LIGHT_POINT;
-    // What lies behind a dielectric that is no closed sphere is inside of it, which only FULL kernels know.
-    let basic = |primitive: &Primitive| match primitive.kind {
-        PRIMITIVE_QUAD => materials[primitive.material as usize].kind != MATERIAL_DIELECTRIC,
-        kind => kind == PRIMITIVE_SPHERE,
-    };
-    let beyond_basic: Vec<_> = [
-        (content.camera.lens_radius > 0.0, "a lens"),
-        (materials.iter().any(is_beyond_basic), "materials with rough lobes, coats or absorption"),
-        (!lights.iter().all(basic_light), "lights that are neither quads nor points"),
-        (!content.textures.is_empty(), "textures"),
-        (!primitives.iter().all(basic), "triangles, discs or sheets of glass"),
-        (lists < OCTANTS, "a tree with fewer lists than octants"),
-    ]
-    .into_iter()
-    .filter_map(|(there, what)| there.then_some(what))
-    .collect();
+    let needs = needs(content, &primitives, &materials, &lights, lists);
     let power: DVec3 = sources.iter().map(|source| source.power_w).sum();
     CompiledScene {
         info: SceneInfo {
@@ -155,8 +140,8 @@ pub(super) fn compile(content: &Content, forced: &[Feature]) -> CompiledScene {
             sky: content.sky.as_ref().map_or(NO_TEXTURE, |sky| sky.texture),
             holes: u32::from(content.pictures.iter().any(|pictures| pictures.cutoff > 0.0)),
         },
-        full: !beyond_basic.is_empty() || forced.contains(&Feature::FullKernels),
-        beyond_basic,
+        needs,
+        known: forced.iter().fold(needs, |known, feature| known | feature.bit()),
         corners: content.corners.clone(),
         textures: content.textures.clone(),
         texels: content.texels.clone(),
@@ -358,13 +343,6 @@ fn interreflects(content: &Content, reach: f64) -> bool {
         }
     }
     false
-}
-
-/// Whether only FULL kernels know the material.
-fn is_beyond_basic(material: &Material) -> bool {
-    let kind = material.kind;
-    let known = kind == MATERIAL_LAMBERTIAN || kind == MATERIAL_MIRROR || kind == MATERIAL_DIELECTRIC;
-    !known || material.absorption != [0.0; 3]
 }
 
 /// A box around surfaces. Photons lie on them but for rounding errors, for which it is a little larger.

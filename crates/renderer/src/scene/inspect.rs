@@ -2,6 +2,7 @@
 
 use super::Scene;
 use super::content::{Shape, Substance, Surface};
+use crate::Feature;
 use caustic_kernels::trace::Texture;
 use glam::DVec3;
 use serde::Serialize;
@@ -35,8 +36,8 @@ pub struct Inspection {
     pub low: [f64; 3],
     /// Highest corner, m.
     pub high: [f64; 3],
-    /// Whether the kernels that know everything are needed.
-    pub full: bool,
+    /// What kernels have to know of it beside quads, spheres and simple materials.
+    pub kernels: Vec<Feature>,
     /// Bytes of its records on a device.
     pub bytes: u64,
     /// What was left out or added when it was read.
@@ -75,7 +76,7 @@ pub(super) fn inspect(scene: &Scene) -> Inspection {
         }),
         low: low.to_array(),
         high: high.to_array(),
-        full: compiled.full,
+        kernels: Feature::ALL.into_iter().filter(|feature| compiled.needs & feature.bit() != 0).collect(),
         bytes: bytes(bytemuck::cast_slice(&compiled.nodes))
             + bytes(bytemuck::cast_slice(&compiled.primitives))
             + bytes(bytemuck::cast_slice(&compiled.corners))

@@ -32,6 +32,7 @@ pub mod limits;
 mod load;
 mod meshes;
 mod model;
+mod needs;
 mod place;
 mod reference;
 mod sky;

@@ -24,6 +24,7 @@ pub use fresnel::{fresnel, schlick};
 pub use microfacet::SMOOTHEST;
 pub use specular::scatter_specular;
 
+use super::known::Known;
 use super::scene::{MATERIAL_LAMBERTIAN, MATERIAL_LAYERED, MATERIAL_ROUGH_DIELECTRIC, Material};
 use super::vector::{dot, sample_cosine};
 use crate::num::{abs, div, max};
@@ -62,21 +63,21 @@ pub fn facing(d: Vec3, n: Vec3) -> Vec3 {
 /// Draws a direction from the whole of a material, for light of direction `d` and the outward normal `n`, with three uniform numbers.
 #[inline]
 #[must_use]
-pub fn sample(material: &Material, d: Vec3, n: Vec3, u: [f32; 3]) -> Scattered {
+pub fn sample(known: impl Known, material: &Material, d: Vec3, n: Vec3, u: [f32; 3]) -> Scattered {
     let side = facing(d, n);
-    let chance = specular_chance(material, -dot(d, side));
+    let chance = specular_chance(known, material, -dot(d, side));
     if u[2] >= chance {
         let direction = sample_cosine(side, u[0], u[1]);
-        let (value, pdf) = evaluate(material, d, direction, n);
+        let (value, pdf) = evaluate(known, material, d, direction, n);
         let weight = if pdf > 0.0 { value * div(1.0, pdf) } else { Vec3::ZERO };
         return Scattered { direction, side, weight, pdf, diffuse: true };
     }
     // What is left of the number is uniform again.
     let rest = if chance < 1.0 { div(u[2], chance) } else { u[2] };
-    let mut scattered = sample_specular(material, d, n, [u[0], u[1], rest]);
+    let mut scattered = sample_specular(known, material, d, n, [u[0], u[1], rest]);
     if chance < 1.0 {
         if scattered.pdf > 0.0 {
-            let (value, pdf) = evaluate(material, d, scattered.direction, n);
+            let (value, pdf) = evaluate(known, material, d, scattered.direction, n);
             scattered.weight = if pdf > 0.0 { value * div(1.0, pdf) } else { Vec3::ZERO };
             scattered.pdf = pdf;
         } else {
@@ -90,16 +91,16 @@ pub fn sample(material: &Material, d: Vec3, n: Vec3, u: [f32; 3]) -> Scattered {
 /// `out` from them, sr⁻¹.
 #[inline]
 #[must_use]
-pub fn evaluate(material: &Material, d: Vec3, out: Vec3, n: Vec3) -> (Vec3, f32) {
-    let (mut value, mut pdf) = evaluate_specular(material, d, out, n);
+pub fn evaluate(known: impl Known, material: &Material, d: Vec3, out: Vec3, n: Vec3) -> (Vec3, f32) {
+    let (mut value, mut pdf) = evaluate_specular(known, material, d, out, n);
     let side = facing(d, n);
     let (cos, cos_out) = (-dot(d, side), dot(out, side));
-    let chance = specular_chance(material, cos);
+    let chance = specular_chance(known, material, cos);
     if chance < 1.0 {
         pdf *= chance;
         if cos_out > 0.0 {
             let lambert = cos_out * (1.0 / PI);
-            value += albedo_diffuse(material, cos_out) * (entrance(material, cos) * lambert);
+            value += albedo_diffuse(known, material, cos_out) * (entrance(known, material, cos) * lambert);
             pdf += (1.0 - chance) * lambert;
         }
     }
@@ -109,11 +110,11 @@ pub fn evaluate(material: &Material, d: Vec3, out: Vec3, n: Vec3) -> (Vec3, f32)
 /// Draws a direction from the lobes that are not diffuse. `u[2]` decides between reflection and refraction.
 #[inline]
 #[must_use]
-pub fn sample_specular(material: &Material, d: Vec3, n: Vec3, u: [f32; 3]) -> Scattered {
-    if material.kind == MATERIAL_LAYERED {
+pub fn sample_specular(known: impl Known, material: &Material, d: Vec3, n: Vec3, u: [f32; 3]) -> Scattered {
+    if known.gloss() && material.kind == MATERIAL_LAYERED {
         return layered::sample_coat(material, d, facing(d, n), u[0], u[1]);
     }
-    if material.kind == MATERIAL_ROUGH_DIELECTRIC {
+    if known.gloss() && material.kind == MATERIAL_ROUGH_DIELECTRIC {
         return rough_dielectric::sample(material, d, n, u);
     }
     scatter_specular(material, d, n, u[2])
@@ -122,11 +123,11 @@ pub fn sample_specular(material: &Material, d: Vec3, n: Vec3, u: [f32; 3]) -> Sc
 /// f·|cos θ| of the glossy lobe, for light from `d` to `out`, and the density with which [`sample_specular`] draws `out`, sr⁻¹.
 #[inline]
 #[must_use]
-pub fn evaluate_specular(material: &Material, d: Vec3, out: Vec3, n: Vec3) -> (Vec3, f32) {
-    if material.kind == MATERIAL_LAYERED {
+pub fn evaluate_specular(known: impl Known, material: &Material, d: Vec3, out: Vec3, n: Vec3) -> (Vec3, f32) {
+    if known.gloss() && material.kind == MATERIAL_LAYERED {
         return layered::evaluate_coat(material, d, out, facing(d, n));
     }
-    if material.kind == MATERIAL_ROUGH_DIELECTRIC {
+    if known.gloss() && material.kind == MATERIAL_ROUGH_DIELECTRIC {
         return rough_dielectric::evaluate(material, d, out, n);
     }
     (Vec3::ZERO, 0.0)
@@ -136,8 +137,8 @@ pub fn evaluate_specular(material: &Material, d: Vec3, out: Vec3, n: Vec3) -> (V
 /// material, 1 where nothing is diffuse.
 #[inline]
 #[must_use]
-pub fn specular_chance(material: &Material, cos: f32) -> f32 {
-    if material.kind == MATERIAL_LAYERED {
+pub fn specular_chance(known: impl Known, material: &Material, cos: f32) -> f32 {
+    if known.gloss() && material.kind == MATERIAL_LAYERED {
         layered::coat_chance(material, cos)
     } else if material.kind == MATERIAL_LAMBERTIAN {
         0.0
@@ -165,16 +166,16 @@ pub fn is_diffuse(material: &Material) -> bool {
 /// Share of the light at an angle of cosine `cos` that reaches the diffuse lobe.
 #[inline]
 #[must_use]
-pub fn entrance(material: &Material, cos: f32) -> f32 {
-    if material.kind == MATERIAL_LAYERED { layered::entrance(material, abs(cos)) } else { 1.0 }
+pub fn entrance(known: impl Known, material: &Material, cos: f32) -> f32 {
+    if known.gloss() && material.kind == MATERIAL_LAYERED { layered::entrance(material, abs(cos)) } else { 1.0 }
 }
 
 /// What an irradiance that has entered is multiplied with, over π, to give the radiance of the diffuse lobe at an angle of cosine
 /// `cos_out`.
 #[inline]
 #[must_use]
-pub fn albedo_diffuse(material: &Material, cos_out: f32) -> Vec3 {
-    if material.kind == MATERIAL_LAYERED {
+pub fn albedo_diffuse(known: impl Known, material: &Material, cos_out: f32) -> Vec3 {
+    if known.gloss() && material.kind == MATERIAL_LAYERED {
         layered::albedo(material, abs(cos_out))
     } else if material.kind == MATERIAL_LAMBERTIAN {
         Vec3::from_array(material.reflectance)

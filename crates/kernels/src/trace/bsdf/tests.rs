@@ -3,6 +3,7 @@
 use super::microfacet::{SMOOTHEST, sample_visible, visible_density};
 use super::*;
 use crate::num::pcg4d;
+use crate::trace::ALL;
 use crate::trace::chi_square::{limit, of_directions, on_sphere};
 use crate::trace::scene::{MATERIAL_DIELECTRIC, MATERIAL_MIRROR, NO_TEXTURE};
 use crate::trace::vector::normalize;
@@ -65,9 +66,9 @@ const COSINES: [f32; 8] = [1.0, 0.9, 0.5, 0.2, 0.05, -1.0, -0.6, -0.1];
 /// lobes and absorption.
 fn chi_square(material: &Material, cos: f32, fault: f64) -> (f64, usize) {
     let (d, n) = arriving(cos);
-    let sampled = |i| Some(sample(material, d, n, random(i, 1))).filter(|scattered| scattered.pdf > 0.0);
+    let sampled = |i| Some(sample(ALL, material, d, n, random(i, 1))).filter(|scattered| scattered.pdf > 0.0);
     let direction = |i| sampled(i).map(|scattered| scattered.direction);
-    of_directions(n, direction, |out| evaluate(material, d, out, n).1, &std::format!("{material:?} at {cos}"))
+    of_directions(n, direction, |out| evaluate(ALL, material, d, out, n).1, &std::format!("{material:?} at {cos}"))
         .chi_square(fault)
 }
 
@@ -78,7 +79,7 @@ fn samples_follow_their_density() {
         for cos in [1.0, 0.5, 0.05, -0.6] {
             // A grazing lobe of α = 0.1 is narrower than the quadrature's steps; the Jacobian's test has those.
             let narrow = cos == 0.05 && material.roughness == 0.1;
-            let delta = specular_chance(&material, cos) == 1.0 && !is_glossy(&material);
+            let delta = specular_chance(ALL, &material, cos) == 1.0 && !is_glossy(&material);
             if narrow || delta {
                 continue;
             }
@@ -105,9 +106,9 @@ fn sampling_and_evaluation_agree() {
                     let u = random(i, 2);
                     type Evaluate = fn(&Material, Vec3, Vec3, Vec3) -> (Vec3, f32);
                     let (scattered, evaluated): (Scattered, Evaluate) = if whole {
-                        (sample(&material, d, n, u), evaluate)
+                        (sample(ALL, &material, d, n, u), |m, d, out, n| evaluate(ALL, m, d, out, n))
                     } else {
-                        (sample_specular(&material, d, n, u), evaluate_specular)
+                        (sample_specular(ALL, &material, d, n, u), |m, d, out, n| evaluate_specular(ALL, m, d, out, n))
                     };
                     assert!((scattered.direction.length() - 1.0).abs() < 1e-6 && scattered.weight.is_finite());
                     assert!(scattered.weight.min_element() >= 0.0 && scattered.pdf >= 0.0);
@@ -140,7 +141,7 @@ fn albedo(material: &Material, cos: f32, sides: u32) -> Vec3 {
     for i in 0..sides * sides {
         let [a, b, c] = random(i, 3);
         let u = [((i % sides) as f32 + a) / sides as f32, ((i / sides) as f32 + b) / sides as f32, c];
-        sum += sample(material, d, n, u).weight;
+        sum += sample(ALL, material, d, n, u).weight;
     }
     sum / (sides * sides) as f32
 }
@@ -184,9 +185,9 @@ fn albedo_of_base(material: &Material, d: Vec3, n: Vec3) -> f32 {
     let mut sum = 0.0;
     for i in 0..1000 {
         let cos = (i as f32 + 0.5) / 1000.0;
-        sum += albedo_diffuse(material, cos).x * 2.0 * cos / 1000.0;
+        sum += albedo_diffuse(ALL, material, cos).x * 2.0 * cos / 1000.0;
     }
-    sum * entrance(material, dot(d, n))
+    sum * entrance(ALL, material, dot(d, n))
 }
 
 /// Light's way can be reversed: f(a → b) = f(b → a), and of refraction so but for the squares of the indices, which are the
@@ -205,8 +206,8 @@ fn lobes_are_reciprocal() {
             if cos_a.abs() < 0.05 || cos_b.abs() < 0.05 {
                 continue;
             }
-            let there = evaluate(&material, -a, b, n).0 / cos_b.abs();
-            let back = evaluate(&material, -b, a, n).0 / cos_a.abs();
+            let there = evaluate(ALL, &material, -a, b, n).0 / cos_b.abs();
+            let back = evaluate(ALL, &material, -b, a, n).0 / cos_a.abs();
             let squares = if cos_a * cos_b > 0.0 {
                 1.0
             } else {
@@ -293,7 +294,7 @@ fn rough_lobes_become_delta_lobes() {
                 let material = make(roughness);
                 let (mut weight, mut direction) = (Vec3::ZERO, Vec3::ZERO);
                 for i in 0..40_000 {
-                    let scattered = sample(&material, d, n, random(i, 7));
+                    let scattered = sample(ALL, &material, d, n, random(i, 7));
                     if scattered.diffuse {
                         continue; // the base does not know roughness
                     }

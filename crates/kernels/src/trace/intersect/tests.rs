@@ -102,7 +102,7 @@ fn a_ray_that_leaves_a_surface_does_not_meet_it_again() {
         let outward = normalize(Vec3::new((s * 1.3).sin(), (s * 2.1).cos(), (s * 0.7).sin() + 0.01));
         let from = centre + outward * 10.0;
         let t = intersect(from, -outward, &ball);
-        let (point, normal) = point_of::<true>(from, -outward, t, &ball);
+        let (point, normal) = point_of(ALL, from, -outward, t, &ball);
         assert!(intersect(leave(point, normal, &ball), outward, &ball) <= 0.0, "{i}");
         i += 1;
     }

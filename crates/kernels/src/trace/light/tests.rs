@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::num::{pcg4d, u32_to_unit};
+use crate::trace::ALL;
 use crate::trace::chi_square::{limit, of_directions, of_disc, on_sphere};
 use crate::trace::sky::{sample_sky, sky_density, sky_place};
 use crate::trace::vector::{cosine_density, invert_cosine, sample_cosine};
@@ -146,7 +147,7 @@ fn looks_follow_their_density() {
             if is_sky {
                 return sky_density(&light, direction, &info, &textures, &texels);
             }
-            met(&light, direction).map_or(0.0, |distance| look_density(&light, FROM, direction, distance))
+            met(&light, direction).map_or(0.0, |distance| look_density(ALL, &light, FROM, direction, distance))
         };
         // A small light is in few cells, whose quadrature is coarse.
         if light.kind == LIGHT_SPHERE && light.edges[0][0] < 0.1 {
@@ -154,7 +155,7 @@ fn looks_follow_their_density() {
         }
         let sample = |i| {
             let [u, v] = random(i, 3);
-            Some(look::<true>(&light, FROM, u, v, &info, &[], &textures, &texels).direction)
+            Some(look(ALL, &light, FROM, u, v, &info, &[], &textures, &texels).direction)
         };
         let what = std::format!("light kind {}", light.kind);
         of_directions(axis, sample, density, &what).judge(1.05, &what);
@@ -168,11 +169,11 @@ fn looks_know_their_density() {
     for light in lights() {
         for i in 0..2000 {
             let [u, v] = random(i, 4);
-            let glimpse = look::<true>(&light, FROM, u, v, &info, &[], &textures, &texels);
+            let glimpse = look(ALL, &light, FROM, u, v, &info, &[], &textures, &texels);
             let density = if light.kind == LIGHT_ENVIRONMENT {
                 sky_density(&light, glimpse.direction, &info, &textures, &texels)
             } else {
-                look_density(&light, FROM, glimpse.direction, glimpse.distance)
+                look_density(ALL, &light, FROM, glimpse.direction, glimpse.distance)
             };
             let found = glimpse.geometry(0.5, 0.25) * density;
             assert!((found - 2.0).abs() < 1e-3, "light kind {}: {found} at {u}, {v}", light.kind);
@@ -189,7 +190,7 @@ fn looks_have_an_inverse() {
             let [u, v] = random(i, 5);
             // The places of a disc near its middle and the directions near a pole have no angle to speak of.
             let [u, v] = [u * 0.98 + 0.01, v * 0.98 + 0.01];
-            let direction = look::<true>(&light, FROM, u, v, &info, &[], &textures, &texels).direction;
+            let direction = look(ALL, &light, FROM, u, v, &info, &[], &textures, &texels).direction;
             let [mut x, mut y] = invert_look(&light, FROM, direction, &info, &textures, &texels);
             if light.kind == LIGHT_TRIANGLE && u + v > 1.0 {
                 (x, y) = (1.0 - x, 1.0 - y);

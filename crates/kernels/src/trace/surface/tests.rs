@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::num::pcg4d;
+use crate::trace::ALL;
 use crate::trace::vector::{pack_direction, reflect};
 use crate::trace::{PRIMITIVE_TRIANGLE, WRAP_REPEAT};
 
@@ -52,13 +53,13 @@ fn normals_and_coordinates_are_mixed_by_the_point() {
     let info = SceneInfo { first_corners: 7, ..SceneInfo::default() };
     let (origin, direction) = (Vec3::new(0.5, 0.25, 2.0), Vec3::NEG_Z);
     let hit = |primitive| Hit { t: 2.0, primitive };
-    let surface = surface_at::<true>(origin, direction, hit(7), &info, &triangle, &corners);
+    let surface = surface_at(ALL, origin, direction, hit(7), &info, &triangle, &corners);
     assert!(surface.smooth && surface.normal == Vec3::Z);
     let expected = normalize(tilted[0] * 0.25 + tilted[1] * 0.5 + tilted[2] * 0.25);
     assert!((surface.shading - expected).length() < 1e-4, "{:?}", surface.shading);
     assert!((surface.uv[0] - 0.5).abs() < 1e-6 && (surface.uv[1] - 0.75).abs() < 1e-6, "{:?}", surface.uv);
     // A triangle before the first with corners has none.
-    let flat = surface_at::<true>(origin, direction, hit(6), &info, &triangle, &corners);
+    let flat = surface_at(ALL, origin, direction, hit(6), &info, &triangle, &corners);
     assert!(!flat.smooth && flat.shading == Vec3::Z);
 }
 
@@ -69,7 +70,7 @@ fn a_texture_multiplies_the_reflectance() {
     let textures = [Texture { first: 0, width: 1, height: 1, wrap: WRAP_REPEAT }];
     let plain = Material { reflectance: [0.8, 0.4, 0.6], survival: 0.8, texture: NO_TEXTURE, ..Material::default() };
     let materials = [plain, Material { texture: 0, ..plain }];
-    assert_eq!(material_at::<true>(0, [0.3, 0.7], &materials, &textures, &texels), plain);
-    let textured = material_at::<true>(1, [0.3, 0.7], &materials, &textures, &texels);
+    assert_eq!(material_at(ALL, 0, [0.3, 0.7], &materials, &textures, &texels), plain);
+    let textured = material_at(ALL, 1, [0.3, 0.7], &materials, &textures, &texels);
     assert_eq!((textured.reflectance, textured.survival), ([0.4, 0.4, 0.0], 0.4));
 }
