@@ -115,7 +115,7 @@ fn traced(device: &Device, scene: &Scene, kernels: Tracers) -> (Vec<Photon>, Vec
         if compiled.fewest_photons(rays) == 0 {
             continue;
         }
-        let pass = PhotonPass { emitted: paths, first: 0, paths, rays, seed: 5, stored_from: 0, thin: 1 };
+        let pass = PhotonPass { emitted: paths, first: 0, paths, rays, seed: 5, stored_from: 0, thin: 1, chunk: 0 };
         let lights = device.upload("lights", &compiled.lights_for(paths, rays)).unwrap();
         let pass = device.upload("pass", &[pass]).unwrap();
         let words = |name| device.buffer::<u32>(name, paths.into()).unwrap();

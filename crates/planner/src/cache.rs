@@ -72,8 +72,15 @@ fn keep(path: &Path, of: &str, survey: &Survey) {
 fn identity(scene: &Scene, settings: &Settings, device: &Device, costs: Costs) -> String {
     let [width, height] = settings.size;
     let digest = |bytes: &[u8]| Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
-    let near =
-        Settings { seed: 0, spp: 0, layers: Vec::new(), stop: Default::default(), health: false, ..settings.clone() };
+    let near = Settings {
+        seed: 0,
+        spp: 0,
+        layers: Vec::new(),
+        stop: Default::default(),
+        health: false,
+        chunk: None,
+        ..settings.clone()
+    };
     format!(
         "{FORMAT} caustic {} {} exact {} threads {} {costs:?} scene {} camera {} {near:?}",
         env!("CARGO_PKG_VERSION"),
