@@ -37,6 +37,12 @@ impl Chunk {
         size_of::<(Query, Irradiance, Irradiance)>() as u64 + found
     }
 
+    /// Into how many chunks so many photons are cut, and the size of each: alike, so that the memory of one serves the next.
+    pub(crate) fn cut(&self, emitted: u32) -> (u32, u32) {
+        let chunks = emitted.div_ceil(self.photons);
+        (chunks, emitted.div_ceil(chunks.max(1)))
+    }
+
     /// Pixels of a batch.
     pub(crate) fn pixels(&self, settings: &Settings) -> u32 {
         (self.samples / settings.spp).max(1)

@@ -152,7 +152,7 @@ impl Pass<'_> {
             // Sums are aligned to the largest power of all, which is known when all have come by. Most often it is as good as the first
             // chunk's; if it is not, all come by once more.
             let (mut added, mut wrong) = (false, false);
-            let report = self.each(progress, &mut |photons, stored, _| {
+            let report = self.each(progress, &mut |photons, stored| {
                 let (mut map, own) = self.build_below(&photons, stored, *largest)?;
                 let misaligned = largest.is_below(&own);
                 wrong |= misaligned && added;
@@ -184,13 +184,13 @@ impl Pass<'_> {
         let (device, settings) = (self.frame.device, self.settings);
         let mut nearest = NearestPower::new(device, points, settings.k, settings.gather)?;
         let mut most = 0;
-        let mut report = self.each(progress, &mut |photons, stored, first| {
+        let mut report = self.each(progress, &mut |photons, stored| {
             let records: Vec<Photon> = device.read(&photons, stored.into())?;
             let powers: Vec<_> = records.iter().map(|photon| photon.power).collect();
             drop(records);
             let map = self.build(&photons, stored, PhotonMap::plan)?;
             drop(photons);
-            nearest.add(&map, &powers, first)?;
+            nearest.add(&map, &powers)?;
             most = most.max(size_of_val(&powers[..]) as u64);
             Ok(map)
         })?;
@@ -198,28 +198,25 @@ impl Pass<'_> {
         Ok((nearest.irradiance(settings.radius), report))
     }
 
-    /// Traces the photons and shows `see` chunk by chunk: photons, how many, and the index of the first. It returns the map that it has made of them.
+    /// Traces the photons and shows `see` chunk by chunk: photons, and how many. It returns the map that it has made of them.
     fn each(
         &self,
         progress: &mut dyn FnMut(Progress) -> bool,
-        see: &mut dyn FnMut(Buffer, u32, u32) -> Result<PhotonMap, RenderError>,
+        see: &mut dyn FnMut(Buffer, u32) -> Result<PhotonMap, RenderError>,
     ) -> Result<MapReport, RenderError> {
         let Self { kind, settings, chunk, part: (done, of), .. } = *self;
         let Frame { device, compiled, buffers, .. } = *self.frame;
         let mut tracing = Tracing::new(device, compiled, buffers, settings.seed, kind)?;
         let mut told = MapReport::new(kind.map, 0);
         let emitted = tracing.emitted();
-        // Chunks of one size, so that the memory of one serves the next.
-        let chunks = emitted.div_ceil(chunk.photons);
-        let paths = emitted.div_ceil(chunks);
+        let (chunks, paths) = chunk.cut(emitted);
         for first in (0..emitted).step_by(paths as usize) {
             let before = 2 * (u64::from(done) * u64::from(emitted) + u64::from(first));
             let total = 2 * u64::from(of) * u64::from(emitted);
             let mut tick = |paths: u64| progress(Progress { phase: kind.phase, done: before + paths, total });
-            let index = tracing.stored();
             let photons = tracing.chunk(first..emitted.min(first + paths), &mut tick)?;
             if let Some((photons, stored)) = photons {
-                told.tell(&see(photons, stored, index)?);
+                told.tell(&see(photons, stored)?);
             }
         }
         let MapReport { table_entries, linear, bytes, .. } = told;

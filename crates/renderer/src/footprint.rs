@@ -37,8 +37,8 @@ impl ExpectedMap {
 
     /// Its part that is in memory at once. The table is as it is: that of a map of so many photons.
     fn of_chunk(self, settings: &Settings) -> Self {
-        let most = settings.chunk.map_or(f64::MAX, |chunk| f64::from(chunk.photons));
-        let share = (most / self.emitted.max(1.0)).min(1.0);
+        let (chunks, _) = settings.chunk.map_or((1, 0), |chunk| chunk.cut(self.emitted as u32));
+        let share = 1.0 / f64::from(chunks.max(1));
         Self { emitted: share * self.emitted, stored: share * self.stored, ..self }
     }
 
@@ -117,19 +117,18 @@ fn chunked(settings: &Settings, chunk: Chunk, maps: [ExpectedMap; 2], tile: f64,
     let samples = (width * height / batches).ceil() * spp;
     let part = f64::from(at_once(settings)).min(samples);
     let nearest = settings.integrator != Integrator::Progressive;
-    // Queries are sorted; neighbours are found on the device, by counting in no order, and read.
-    let neighbours = f64::from(settings.k + 1) * size::<Neighbour>();
+    let neighbours = if nearest { part * f64::from(settings.k + 1) * size::<Neighbour>() } else { 0.0 };
     let counting = match settings.gather {
         Gather::Auto => device.is_gpu(),
         gather => gather == Gather::Histogram,
     };
-    let copies = if counting { 3.0 } else { 2.0 };
-    let search = part * (16.0 + if nearest { 4.0 + copies * neighbours } else { 0.0 });
+    // Queries are sorted. Counting finds neighbours in no order and puts them in order beside that.
+    let search = 20.0 * part + if counting { 2.0 * neighbours + 8.0 * part } else { neighbours };
     let walked = maps.iter().filter(|map| map.stored > 0.0).map(|map| {
         let map = map.of_chunk(settings);
-        // Powers are kept on the host; while they are read, nothing has been built yet.
         let powers = if nearest { map.stored * size::<[f32; 3]>() } else { 0.0 };
-        powers + map.peak(false).max(map.bytes(false) + search)
+        // The host has powers and neighbours. That the device has its most at another time is not taken into account.
+        powers + neighbours + map.peak(false).max(map.bytes(false) + search)
     });
     let known = samples * size::<(Irradiance, Irradiance)>();
     let batch = samples * Chunk::bytes_a_sample(settings) as f64;

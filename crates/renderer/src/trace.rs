@@ -74,11 +74,6 @@ impl<'a> Tracing<'a> {
         self.report.photons_emitted
     }
 
-    /// Photons stored so far: the index of the next one.
-    pub(crate) fn stored(&self) -> u32 {
-        self.stored as u32
-    }
-
     /// Traces the paths with these numbers. Returns their photons, in the order of paths, and how many there are; nothing if there are none. `tick` is
     /// told of twice as many paths as there are.
     pub(crate) fn chunk(
@@ -156,7 +151,7 @@ impl<'a> Tracing<'a> {
         Ok(Some((unsorted, stored as u32)))
     }
 
-    /// Refuses more photons than a map holds, or than indices count. `stored` are of the last `paths` paths, up to `end`.
+    /// Refuses more photons than a map holds, or than estimates and reports count. `stored` are of the last `paths` paths, up to `end`.
     fn check(&self, stored: u64, paths: u32, end: u32) -> Result<(), RenderError> {
         let PassKind { map, flag, .. } = *self.kind;
         let of_all = paths == self.emitted();
@@ -166,10 +161,10 @@ impl<'a> Tracing<'a> {
             let emitted = fits(paths, MAX_STORED, stored);
             return Err(RenderError::TooManyPhotons { map, stored, max: MAX_STORED, flag, emitted });
         }
-        const MAX_INDEX: u32 = CUT_SHORT - 1;
-        if self.stored > u64::from(MAX_INDEX) {
-            let (stored, emitted) = (self.stored, fits(end, MAX_INDEX, self.stored));
-            return Err(RenderError::TooManyPhotons { map, stored, max: MAX_INDEX, flag, emitted });
+        const MAX_COUNT: u32 = CUT_SHORT - 1;
+        if self.stored > u64::from(MAX_COUNT) {
+            let (stored, emitted) = (self.stored, fits(end, MAX_COUNT, self.stored));
+            return Err(RenderError::TooManyPhotons { map, stored, max: MAX_COUNT, flag, emitted });
         }
         Ok(())
     }

@@ -10,11 +10,10 @@ use caustic_kernels::layout::{Irradiance, Neighbour, PowerSum};
 use caustic_kernels::num::Limbs;
 use rayon::prelude::*;
 
-/// A photon that may be one of the nearest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// A photon that may be one of the nearest. Of equally far ones those of earlier maps come first, as their indices do.
+#[derive(Clone, Copy, Default)]
 struct Candidate {
     distance2: f32,
-    photon: u32,
     power: [f32; 3],
 }
 
@@ -75,11 +74,11 @@ impl<'a> NearestPower<'a> {
         most * u64::from(self.wanted) * size_of::<Neighbour>() as u64
     }
 
-    /// Adds a map of photons with these powers, W, whose indices follow `first`: those of maps before are lower.
+    /// Adds a map of photons with these powers, W: those that follow the ones of maps before.
     ///
     /// # Errors
     /// [`MapError::CutShort`], [`MapError::Compact`], [`MapError::TooMany`] and [`MapError::Device`].
-    pub fn add(&mut self, map: &PhotonMap, powers: &[[f32; 3]], first: u32) -> Result<(), MapError> {
+    pub fn add(&mut self, map: &PhotonMap, powers: &[[f32; 3]]) -> Result<(), MapError> {
         let Self { device, wanted, gather, .. } = *self;
         let k = wanted as usize;
         for power in powers {
@@ -100,9 +99,9 @@ impl<'a> NearestPower<'a> {
             known.zip(neighbours.par_chunks_exact(k).zip(&news)).for_each_init(
                 Vec::new,
                 |merged, ((known, count), (news, &new))| {
-                    let candidate = |&Neighbour { distance2, photon }: &Neighbour| {
-                        let power = powers[photon as usize];
-                        Candidate { distance2, photon: first + photon, power }
+                    let candidate = |&Neighbour { distance2, photon }: &Neighbour| Candidate {
+                        distance2,
+                        power: powers[photon as usize],
                     };
                     let news = news[..new as usize].iter().map(candidate);
                     *count = merge(known, *count, news, |one| one.distance2, merged);
