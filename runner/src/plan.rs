@@ -6,7 +6,7 @@ use crate::progress::Monitor;
 use crate::render::{failure, settings};
 use caustic_device::Device;
 use caustic_planner::{
-    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, explain, findings, settle,
+    Budget, Choice, Finding, Given, Line, Prediction, Quality, Survey, advice, explain, findings, fit, settle,
 };
 use caustic_renderer::scene::{CompiledScene, Scene};
 use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderReport, Settings, Stop};
@@ -80,6 +80,9 @@ impl Planned {
         } else if arguments.plan.explain {
             planned.survey(arguments, scene, device, monitor)?;
         }
+        if let Some(bytes) = limit(arguments) {
+            planned.limit(arguments, scene, bytes, device, monitor)?;
+        }
         planned.lines = explain(scene, &planned.compiled, &planned.settings, device, budget.is_some());
         planned.findings = findings(scene, &planned.compiled, &planned.settings, device);
         Ok(planned)
@@ -122,6 +125,29 @@ impl Planned {
         Ok(())
     }
 
+    /// Has photons in chunks if whole maps do not fit.
+    fn limit(
+        &mut self,
+        arguments: &RenderArguments,
+        scene: &Scene,
+        bytes: u64,
+        device: &Device,
+        monitor: &mut Monitor,
+    ) -> Result<(), Failure> {
+        let survey = survey(arguments, scene, &self.settings, device, monitor)?;
+        self.settings = fit(&survey, &self.compiled, &self.settings, bytes, device).map_err(|least| {
+            let least = least.div_ceil(1 << 20);
+            Failure::input(format!(
+                "--memory {:.1} MiB is too little: give at least {least}MiB, or fewer --photons or a smaller --size",
+                mib(bytes)
+            ))
+        })?;
+        self.settings.validate().map_err(|error| failure(&error))?;
+        self.prediction = Some(survey.predict(&self.compiled, &self.settings, passes(&self.settings), device));
+        (self.survey, self.met) = (Some(survey), Some(true));
+        Ok(())
+    }
+
     /// Predicts the render, if that was not done.
     fn survey(
         &mut self,
@@ -151,8 +177,9 @@ impl Planned {
         if let (Some(prediction), Some(_)) = (&self.prediction, self.met) {
             let Settings { photons, caustic_photons, k, radius, spp, table, .. } = self.settings;
             let table = table.map_or(String::new(), |table| format!(" --table {table}"));
+            let chunk = self.settings.chunk.map_or(String::new(), |chunk| format!(" --chunk {}", chunk.photons));
             eprintln!(
-                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}{table}, {} passes",
+                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}{table}{chunk}, {} passes",
                 prediction.passes
             );
             eprintln!("{}", foreseen(prediction));
@@ -198,6 +225,7 @@ impl Planned {
                 "radius": self.settings.radius,
                 "spp": self.settings.spp,
                 "table": self.settings.table,
+                "chunk": self.settings.chunk.map(|chunk| json!({"photons": chunk.photons, "samples": chunk.samples})),
                 "passes": self.prediction.as_ref().map(|prediction| prediction.passes),
             },
         })
@@ -242,15 +270,26 @@ fn mib(bytes: u64) -> f64 {
 /// what k photons an estimate make of it: elsewhere they just end a render.
 fn budget(arguments: &RenderArguments) -> Option<Budget> {
     let how = &arguments.how;
-    let chosen = arguments.plan.quality.is_some() || arguments.plan.memory.is_some();
+    let bytes = arguments.plan.memory.filter(|_| limit(arguments).is_none());
+    let chosen = arguments.plan.quality.is_some() || bytes.is_some();
     let ends = how.time.is_some() || how.error.is_some();
     let open = how.passes.is_none() && how.total_photons.is_none() && how.checkpoint.is_none();
     let photon = Integrator::from(how.integrator) == Integrator::Photon && arguments.load_map.is_none();
     (photon && (chosen || ends && open)).then(|| Budget {
         error: arguments.plan.quality.map(|quality| Quality::from(quality).error()).or(how.error),
         seconds: how.time,
-        bytes: arguments.plan.memory,
+        bytes,
     })
+}
+
+/// Most bytes of a render whose photons are given, so that what does not fit comes in chunks.
+fn limit(arguments: &RenderArguments) -> Option<u64> {
+    let given = match Integrator::from(arguments.how.integrator) {
+        Integrator::Photon => arguments.photons.is_some(),
+        Integrator::Progressive => true,
+        Integrator::Path | Integrator::Direct => false,
+    };
+    arguments.plan.memory.filter(|_| given && arguments.load_map.is_none())
 }
 
 /// Whether what is chosen for a budget depends on how fast this machine is.

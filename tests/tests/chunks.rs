@@ -7,7 +7,9 @@ use caustic_photon_map::{
 };
 use caustic_renderer::output::LayerKind;
 use caustic_renderer::scene::Scene;
-use caustic_renderer::{Chunk, ExpectedMap, Integrator, RenderError, Rendered, Settings, Stop, peak_bytes, render};
+use caustic_renderer::{
+    Chunk, ExpectedMap, Given, Integrator, RenderError, Rendered, Settings, Stop, peak_bytes, render, render_across,
+};
 use caustic_tests::points::{photons_at, query, uniform};
 use caustic_tests::renders::*;
 use caustic_tests::{assert_same_words, compare_words, gpu};
@@ -43,7 +45,9 @@ fn chunks_give_the_picture_of_whole_maps() {
             let settings = two_passes(integrator, radius, &scene);
             let whole = run(&scene, &settings, &Device::cpu());
             let shuffled = Device::cpu_with_order(LaneOrder::Shuffled(7));
-            for (device, cuts) in [(Some(&shuffled), &CUTS[..]), (gpu(), &CUTS[1..2])] {
+            // A GPU compiles the kernels of two kinds of scenes.
+            let gpu = gpu().filter(|_| ["cornell", "courtyard"].contains(&name));
+            for (device, cuts) in [(Some(&shuffled), &CUTS[..]), (gpu, &CUTS[1..2])] {
                 let Some(device) = device else { continue };
                 for &(photons, samples) in cuts {
                     let chunked = run(&scene, &in_chunks(&settings, photons, samples), device);
@@ -82,6 +86,16 @@ fn k_may_be_one_or_more_than_there_are_photons_and_any_search_will_do() {
         let chunked = run(&scene, &in_chunks(&settings, 1500, 500), &Device::cpu());
         same(&format!("k = {k}"), &whole, &chunked);
     }
+}
+
+#[test]
+fn devices_that_share_a_render_may_each_have_chunks() {
+    let scene = load("cornell");
+    let settings = in_chunks(&two_passes(Integrator::Progressive, 0.1, &scene), 1777, 100);
+    let (one, two) = (Device::cpu(), Device::cpu_with_order(LaneOrder::Reversed));
+    let shared = render_across(&scene, &settings, &[&one, &two], Given::default(), &mut |_| true, &mut |_| Ok(()));
+    let alone = run(&scene, &Settings { chunk: None, ..settings }, &one);
+    assert_same_words("two devices", floats(&alone.image), floats(&shared.expect("a render").image));
 }
 
 /// A dim lamp whose photons come first, and one a thousand times as bright.
@@ -133,7 +147,8 @@ fn the_largest_power_may_come_in_any_chunk() {
         let device = Device::cpu();
         let chunked = run(&scene, &in_chunks(&settings, 300, u32::MAX), &device);
         assert_same_words(name, floats(&whole.image), floats(&chunked.image));
-        let runs: u32 = chunked.report.stages.iter().filter(|row| row.stage.contains("store")).map(|row| row.runs).sum();
+        let runs: u32 =
+            chunked.report.stages.iter().filter(|row| row.stage.contains("store")).map(|row| row.runs).sum();
         assert_eq!(runs, 20 * walks, "{name}: {:?}", chunked.report.stages);
     }
 }

@@ -38,9 +38,16 @@ impl Chunk {
     }
 
     /// Into how many chunks so many photons are cut, and the size of each: alike, so that the memory of one serves the next.
-    pub(crate) fn cut(&self, emitted: u32) -> (u32, u32) {
+    #[must_use]
+    pub fn cut(&self, emitted: u32) -> (u32, u32) {
         let chunks = emitted.div_ceil(self.photons);
         (chunks, emitted.div_ceil(chunks.max(1)))
+    }
+
+    /// Batches of a pass.
+    #[must_use]
+    pub fn batches(&self, settings: &Settings) -> u32 {
+        (settings.size[0] * settings.size[1]).div_ceil(self.pixels(settings))
     }
 
     /// Pixels of a batch.
@@ -50,16 +57,14 @@ impl Chunk {
 
     /// Refuses what chunks cannot give the bits of whole maps for.
     pub(crate) fn check(&self, settings: &Settings) -> Result<(), RenderError> {
+        if settings.parts() & (PART_GLOBAL | PART_CAUSTIC) == 0 {
+            let range = "left out: this integrator, or what it shows, has no photon maps".to_string();
+            return Err(RenderError::Setting { name: "chunk", value: self.photons.to_string(), range });
+        }
         let name = |value: &dyn std::fmt::Debug| format!("{value:?}").to_lowercase();
         let nearest = settings.estimate().k.is_some();
         let cases = [
             ("chunk", self.photons.min(self.samples) == 0, "0".to_string(), "1 or more"),
-            (
-                "chunk",
-                settings.parts() & (PART_GLOBAL | PART_CAUSTIC) == 0,
-                self.photons.to_string(),
-                "left out where there are no photon maps",
-            ),
             ("filter", settings.filter != Filter::Constant, name(&settings.filter), "constant"),
             ("surface", settings.surface != Surface::Any, name(&settings.surface), "any"),
             ("nearest", nearest && settings.nearest != Nearest::Exact, name(&settings.nearest), "exact"),

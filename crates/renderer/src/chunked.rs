@@ -58,6 +58,7 @@ impl Frame<'_> {
                 Err(RenderError::Interrupted) if from > first => return Ok(()),
                 light => light?,
             };
+            self.device.trim();
             let known = Light::Known(from, [0, 1].map(|i| light[i].as_deref()));
             if !film.develop(to, known, progress)? {
                 return Ok(());
@@ -211,6 +212,8 @@ impl Pass<'_> {
         let emitted = tracing.emitted();
         let (chunks, paths) = chunk.cut(emitted);
         for first in (0..emitted).step_by(paths as usize) {
+            // Who has chunks is short of memory: what the device keeps for later would be as much again.
+            device.trim();
             let before = 2 * (u64::from(done) * u64::from(emitted) + u64::from(first));
             let total = 2 * u64::from(of) * u64::from(emitted);
             let mut tick = |paths: u64| progress(Progress { phase: kind.phase, done: before + paths, total });

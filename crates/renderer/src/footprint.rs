@@ -112,9 +112,7 @@ pub fn peak_bytes(scene: &CompiledScene, settings: &Settings, maps: [ExpectedMap
 fn chunked(settings: &Settings, chunk: Chunk, maps: [ExpectedMap; 2], tile: f64, device: &Device) -> f64 {
     let [width, height] = settings.size.map(f64::from);
     let spp = f64::from(settings.spp);
-    let batch_pixels = f64::from(chunk.pixels(settings)).min(width * height);
-    let batches = (width * height / batch_pixels).ceil();
-    let samples = (width * height / batches).ceil() * spp;
+    let samples = (width * height / f64::from(chunk.batches(settings))).ceil() * spp;
     let part = f64::from(at_once(settings)).min(samples);
     let nearest = settings.integrator != Integrator::Progressive;
     let neighbours = if nearest { part * f64::from(settings.k + 1) * size::<Neighbour>() } else { 0.0 };

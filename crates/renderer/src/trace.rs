@@ -154,12 +154,10 @@ impl<'a> Tracing<'a> {
     /// Refuses more photons than a map holds, or than estimates and reports count. `stored` are of the last `paths` paths, up to `end`.
     fn check(&self, stored: u64, paths: u32, end: u32) -> Result<(), RenderError> {
         let PassKind { map, flag, .. } = *self.kind;
-        let of_all = paths == self.emitted();
         let fits = |paths: u32, max: u32, stored: u64| u64::from(paths) * u64::from(max) / stored;
         if stored > u64::from(MAX_STORED) {
-            let flag = if of_all { flag } else { "chunk" };
             let emitted = fits(paths, MAX_STORED, stored);
-            return Err(RenderError::TooManyPhotons { map, stored, max: MAX_STORED, flag, emitted });
+            return Err(RenderError::TooManyPhotons { map, stored, max: MAX_STORED, flag: "chunk", emitted });
         }
         const MAX_COUNT: u32 = CUT_SHORT - 1;
         if self.stored > u64::from(MAX_COUNT) {
