@@ -35,7 +35,7 @@ fn two_passes(integrator: Integrator, radius: f32, scene: &Scene) -> Settings {
 }
 
 /// Chunks that divide the photons and such that do not, one that is larger, and batches of one row, of some pixels and of all.
-const CUTS: [(u32, u32); 4] = [(1000, 48), (1777, 193), (977, u32::MAX), (100_000, 5)];
+const CUTS: [(u32, u32); 4] = [(1000, 48), (1777, 193), (977, u32::MAX), (100_000, 50)];
 
 #[test]
 fn chunks_give_the_picture_of_whole_maps() {
