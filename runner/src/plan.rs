@@ -7,7 +7,7 @@ use crate::render::{failure, settings};
 use caustic_device::Device;
 use caustic_planner::{
     Budget, Choice, Finding, Given, Line, Prediction, Quality, Scout, Survey, Surveyor, advice, explain, findings,
-    foresee, settle,
+    fit, foresee, settle,
 };
 use caustic_renderer::scene::{CompiledScene, Scene};
 use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderError, RenderReport, Settings, Stop};
@@ -78,6 +78,8 @@ impl Planned {
         let budget = budget(arguments);
         if let Some(budget) = &budget {
             planned.choose(arguments, scene, budget, device, monitor)?;
+        } else if let Some(bytes) = limit(arguments) {
+            planned.limit(arguments, scene, bytes, device, monitor)?;
         } else if arguments.plan.explain {
             planned.survey(arguments, scene, device, monitor)?;
         }
@@ -125,6 +127,37 @@ impl Planned {
         Ok(())
     }
 
+    /// Has photons in chunks if whole maps do not fit.
+    fn limit(
+        &mut self,
+        arguments: &RenderArguments,
+        scene: &Scene,
+        bytes: u64,
+        device: &Device,
+        monitor: &mut Monitor,
+    ) -> Result<(), Failure> {
+        let Self { compiled, settings, .. } = &*self;
+        let fitted = surveying(arguments, scene, device, monitor, |surveyor| {
+            let survey = surveyor.survey(settings)?;
+            match fit(&survey, compiled, settings, bytes, device) {
+                Ok(fitted) => Ok(Ok((foresee(surveyor, compiled, &fitted, passes(&fitted), device)?, fitted))),
+                Err(least) => Ok(Err(least)),
+            }
+        })?;
+        let (survey, settings) = fitted.map_err(|least| {
+            let least = least.div_ceil(1 << 20);
+            Failure::input(format!(
+                "--memory {:.1} MiB is too little: give at least {least}MiB, or fewer --photons or a smaller --size",
+                mib(bytes)
+            ))
+        })?;
+        self.settings = settings;
+        self.settings.validate().map_err(|error| failure(&error))?;
+        self.prediction = Some(survey.predict(&self.compiled, &self.settings, passes(&self.settings), device));
+        (self.survey, self.met) = (Some(survey), Some(true));
+        Ok(())
+    }
+
     /// Predicts the render, if that was not done.
     fn survey(
         &mut self,
@@ -158,8 +191,9 @@ impl Planned {
         if let (Some(prediction), Some(_)) = (&self.prediction, self.met) {
             let Settings { photons, caustic_photons, k, radius, spp, table, .. } = self.settings;
             let table = table.map_or(String::new(), |table| format!(" --table {table}"));
+            let chunk = self.settings.chunk.map_or(String::new(), |chunk| format!(" --chunk {}", chunk.photons));
             eprintln!(
-                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}{table}, {} passes",
+                "plan: --photons {photons} --caustic-photons {caustic_photons} --k {k} --radius {radius} --spp {spp}{table}{chunk}, {} passes",
                 prediction.passes
             );
             eprintln!("{}", foreseen(prediction));
@@ -205,6 +239,7 @@ impl Planned {
                 "radius": self.settings.radius,
                 "spp": self.settings.spp,
                 "table": self.settings.table,
+                "chunk": self.settings.chunk.map(|chunk| json!({"photons": chunk.photons, "samples": chunk.samples})),
                 "passes": self.prediction.as_ref().map(|prediction| prediction.passes),
             },
         })
@@ -249,15 +284,26 @@ fn mib(bytes: u64) -> f64 {
 /// what k photons an estimate make of it: elsewhere they just end a render.
 fn budget(arguments: &RenderArguments) -> Option<Budget> {
     let how = &arguments.how;
-    let chosen = arguments.plan.quality.is_some() || arguments.plan.memory.is_some();
+    let bytes = arguments.plan.memory.filter(|_| limit(arguments).is_none());
+    let chosen = arguments.plan.quality.is_some() || bytes.is_some();
     let ends = how.time.is_some() || how.error.is_some();
     let open = how.passes.is_none() && how.total_photons.is_none() && how.checkpoint.is_none();
     let photon = Integrator::from(how.integrator) == Integrator::Photon && arguments.load_map.is_none();
     (photon && (chosen || ends && open)).then(|| Budget {
         error: arguments.plan.quality.map(|quality| Quality::from(quality).error()).or(how.error),
         seconds: how.time,
-        bytes: arguments.plan.memory,
+        bytes,
     })
+}
+
+/// Most bytes of a render whose photons are given, so that what does not fit comes in chunks.
+fn limit(arguments: &RenderArguments) -> Option<u64> {
+    let given = match Integrator::from(arguments.how.integrator) {
+        Integrator::Photon => arguments.photons.is_some(),
+        Integrator::Progressive => true,
+        Integrator::Path | Integrator::Direct => false,
+    };
+    arguments.plan.memory.filter(|_| given && arguments.load_map.is_none())
 }
 
 /// Whether what is chosen for a budget depends on how fast this machine is.

@@ -10,8 +10,8 @@ use caustic_photon_map::MapError;
 use caustic_renderer::output::{self, DENOISER_LAYERS, Extras, Format, LayerKind, Metadata, OutputError, can_denoise};
 use caustic_renderer::scene::Scene;
 use caustic_renderer::{
-    About, Checkpoint, CheckpointError, Given, Integrator, PhotonFile, Remote, RenderError, RenderReport, Settings,
-    digest, render_across, write_part,
+    About, Checkpoint, CheckpointError, Chunk, Given, Integrator, PhotonFile, Remote, RenderError, RenderReport,
+    Settings, digest, render_across, write_part,
 };
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -223,7 +223,7 @@ fn check_output(arguments: &RenderArguments, path: &Path) -> Result<(), Failure>
 /// The settings of the scene, with those of the command line in their place where given.
 pub fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&PhotonFile>) -> Settings {
     let defaults = Settings::of(scene);
-    Settings {
+    let settings = Settings {
         size: arguments.size.unwrap_or(defaults.size),
         photons: file.map(|file| file.header.photons).or(arguments.photons).unwrap_or(defaults.photons),
         caustic_photons: file
@@ -256,7 +256,9 @@ pub fn settings(arguments: &RenderArguments, scene: &Scene, file: Option<&Photon
         layers: wanted_layers(arguments),
         forced: arguments.plan.force.iter().map(|&feature| feature.into()).collect(),
         health: arguments.json,
-    }
+        chunk: None,
+    };
+    Settings { chunk: arguments.how.chunk.map(|photons| Chunk::of(photons, &settings)), ..settings }
 }
 
 /// Whether there is one pass, come what may.

@@ -25,7 +25,7 @@ fn traced(device: &Device, scene: &Scene, mask: u32) -> (Vec<Photon>, Vec<u32>) 
         if compiled.fewest_photons(rays) == 0 {
             continue;
         }
-        let pass = PhotonPass { emitted: paths, first: 0, paths, rays, seed: 5, stored_from: 0, thin: 1 };
+        let pass = PhotonPass { emitted: paths, first: 0, paths, rays, seed: 5, stored_from: 0, thin: 1, chunk: 0 };
         let lights = device.upload("lights", &compiled.lights_for(paths, rays)).unwrap();
         let pass = device.upload("pass", &[pass]).unwrap();
         let words = |name| device.buffer::<u32>(name, paths.into()).unwrap();

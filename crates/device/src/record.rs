@@ -55,7 +55,7 @@ records! {
     KdRadius: "uuuuf",
     RadixPass: "uuuu",
     ScanParams: "uu",
-    PhotonPass: "uuuuuuu",
+    PhotonPass: "uuuuuuuu",
     SceneInfo: "uuuuuuuuu",
     BvhNode: "fffufffu",
     Primitive: "uuufffffffffffff",

@@ -33,4 +33,7 @@ pub use map::{Estimate, Filter, Nearest, Neighbours, PhotonMap, Seen, Surface, q
 pub use options::{Gather, Hash, MAX_K, MapOptions, capacity};
 pub use seen::SeenCells;
 pub use sort::{RadixSort, scan};
-pub use streamed::{DensityStreamed, LargestPower, NearestStreamed};
+pub use streamed::{
+    DensityStreamed, DensitySums, LargestPower, MAX_K_IN_CHUNKS, NEIGHBOURS_AT_ONCE, NearestPower, NearestStreamed,
+    Points,
+};

@@ -9,7 +9,7 @@ pub use neighbours::Neighbours;
 
 use crate::grid::{MAX_PHOTONS, bounds, plan_grid, rows};
 use crate::options::irradiance_kernel;
-use crate::{Gather, MapError, MapOptions, RadixSort};
+use crate::{Gather, LargestPower, MapError, MapOptions, RadixSort};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::gather::{CUT_SHORT, Compact, GatherParams, Placed};
 use caustic_kernels::grid::{BEGINS_BLOCK, GRID_BLOCK, Grid, HASH_LINEAR, Row};
@@ -33,8 +33,8 @@ pub struct PhotonMap {
 enum Records {
     /// All of it, with powers aligned to the largest.
     Whole,
-    /// The same, with powers aligned to these, as bits: none is larger.
-    Below([u32; 3]),
+    /// The same, with powers aligned to these: none is larger.
+    Below(LargestPower),
     /// What 16 bytes hold.
     Compact,
 }
@@ -57,7 +57,22 @@ impl PhotonMap {
     pub fn plan_compact(device: &Device, plan: &mut Plan, unsorted: &Buffer, grid: Grid) -> Result<Self, MapError> {
         let grid_buffer = device.upload("map: grid of steps", &[grid])?;
         plan.each(Kernel::SnapPhotons, grid.photons, &[&grid_buffer, unsorted]);
-        Self::plan_records(device, plan, unsorted, grid, &rows(&grid), Records::Compact)
+        Self::plan_records(device, plan, unsorted, grid, &rows(&grid), Records::Compact).map(|(map, _)| map)
+    }
+
+    /// [`PhotonMap::plan`] with powers aligned to `largest` instead of the largest of these photons, of which there is a buffer as well: three
+    /// floats. Where one of them has a larger exponent than `largest`, the powers of this map are wrong.
+    ///
+    /// # Errors
+    /// [`MapError::Device`].
+    pub fn plan_below(
+        device: &Device,
+        plan: &mut Plan,
+        unsorted: &Buffer,
+        grid: Grid,
+        largest: LargestPower,
+    ) -> Result<(Self, Buffer), MapError> {
+        Self::plan_records(device, plan, unsorted, grid, &rows(&grid), Records::Below(largest))
     }
 
     /// [`PhotonMap::plan`] with rows of cells of the caller's, for the measurement of others than [`rows`]. A search ends at the first
@@ -72,9 +87,10 @@ impl PhotonMap {
         grid: Grid,
         rows: &[Row],
     ) -> Result<Self, MapError> {
-        Self::plan_records(device, plan, unsorted, grid, rows, Records::Whole)
+        Self::plan_records(device, plan, unsorted, grid, rows, Records::Whole).map(|(map, _)| map)
     }
 
+    /// The map, and the largest powers of these photons.
     fn plan_records(
         device: &Device,
         plan: &mut Plan,
@@ -82,7 +98,7 @@ impl PhotonMap {
         mut grid: Grid,
         rows: &[Row],
         records: Records,
-    ) -> Result<Self, MapError> {
+    ) -> Result<(Self, Buffer), MapError> {
         grid.rows = rows.len() as u32;
         let count = grid.photons;
         let blocks = count.div_ceil(GRID_BLOCK);
@@ -93,13 +109,12 @@ impl PhotonMap {
         plan.groups(Kernel::HashPhotons, blocks, &[&grid_buffer, unsorted, &keys, &powers]);
         let sorted = RadixSort::plan(device, plan, &keys, count, key_bits(&grid))?;
         let begins = device.scratch::<u32>("map: cell begins", u64::from(grid.table) + 1)?;
-        let power = device.scratch::<u32>("map: power", 3)?;
+        let own = device.scratch::<u32>("map: power", 3)?;
         let entries = (grid.table + 1).div_ceil(BEGINS_BLOCK);
-        plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &power]);
-        // What `power` was before is dropped: the stage above has written it, and nobody reads it.
+        plan.groups(Kernel::CellBegins, entries, &[&grid_buffer, &sorted.keys, &powers, &begins, &own]);
         let power = match records {
-            Records::Below(largest) => device.upload("map: power", &largest)?,
-            _ => power,
+            Records::Below(largest) => device.upload("map: power", &[largest.0])?,
+            _ => own.clone(),
         };
         let compact = matches!(records, Records::Compact);
         let whole = u64::from(if compact { 0 } else { count });
@@ -113,7 +128,7 @@ impl PhotonMap {
                 plan.each(Kernel::ReorderPhotons, count, &[&from[..], &[&power, &sites, &arrivals]].concat());
             }
         }
-        Ok(Self { grid, grid_buffer, rows, compact, sites, arrivals, begins, power })
+        Ok((Self { grid, grid_buffer, rows, compact, sites, arrivals, begins, power }, own))
     }
 
     /// Builds a map of `photons`.
@@ -132,15 +147,15 @@ impl PhotonMap {
         Self::build_with(device, photons, options, Self::plan_compact)
     }
 
-    /// [`PhotonMap::build`] with powers aligned to `largest`, as bits, instead of the largest of these photons.
+    /// [`PhotonMap::build`] with powers aligned to `largest`, of which none of these is larger.
     pub(crate) fn build_below(
         device: &Device,
         photons: &[Photon],
         options: &MapOptions,
-        largest: [u32; 3],
+        largest: LargestPower,
     ) -> Result<Self, MapError> {
         Self::build_with(device, photons, options, |device, plan, unsorted, grid| {
-            Self::plan_records(device, plan, unsorted, grid, &rows(&grid), Records::Below(largest))
+            Self::plan_below(device, plan, unsorted, grid, largest).map(|(map, _)| map)
         })
     }
 

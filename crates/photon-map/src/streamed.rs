@@ -1,12 +1,26 @@
 //! Searches among more photons than memory holds: a map of each chunk of them, one after another.
 
 mod density;
+mod largest;
 mod nearest;
+mod power;
 
-pub use density::{DensityStreamed, LargestPower};
+pub use density::{DensityStreamed, DensitySums};
+pub use largest::LargestPower;
 pub use nearest::NearestStreamed;
+pub use power::{MAX_K_IN_CHUNKS, NEIGHBOURS_AT_ONCE, NearestPower};
 
 use crate::MapError;
+use caustic_device::Buffer;
+
+/// Points on a device at which photons are sought.
+#[derive(Clone)]
+pub struct Points {
+    /// Records of [`Query`](caustic_kernels::layout::Query).
+    pub queries: Buffer,
+    /// How many.
+    pub count: u32,
+}
 
 /// How many photons there are with those of another chunk, at most `max`.
 fn with_more(photons: u64, chunk: usize, max: u32) -> Result<u64, MapError> {

@@ -44,8 +44,8 @@ impl<'a> Surveyor<'a> {
     /// # Errors
     /// Those of [`Survey::take`].
     pub fn survey(&mut self, near: &Settings) -> Result<Survey, RenderError> {
-        // Where passes end, and how many samples there are, it does not depend on.
-        let near = Settings { spp: 0, stop: Stop::default(), ..near.clone() };
+        // Where passes end, how many samples there are, and whether photons come in chunks, it does not depend on.
+        let near = Settings { spp: 0, stop: Stop::default(), chunk: None, ..near.clone() };
         self.kept("survey", &near, Survey::take)
     }
 

@@ -80,6 +80,7 @@ pub fn explain(
     for (_, what, value, usual, default) in amounts.into_iter().filter(|amount| amount.0) {
         lines.push(Line::new(what, value, source(value == usual, default.is_some())));
     }
+    lines.extend(chunks(settings, global, caustic));
     lines.push(passes(settings, chosen));
     let (precision, why) = match (device.is_exact(), device.is_gpu()) {
         (true, true) => ("exact", "the same bits as on the CPU"),
@@ -124,6 +125,19 @@ fn gather(settings: &Settings, device: &Device) -> Line {
         Gather::List => ("list", "asked for"),
     };
     Line::new("gather", choice, why)
+}
+
+fn chunks(settings: &Settings, global: bool, caustic: bool) -> Option<Line> {
+    let chunk = settings.chunk?;
+    let of = |there: bool, photons: u32| if there { photons } else { 0 };
+    let photons = of(global, settings.photons).max(of(caustic, settings.caustic_photons));
+    let (chunks, photons) = chunk.cut(photons);
+    let batches = match chunk.batches(settings) {
+        1 => "all samples search at once".to_string(),
+        batches => format!("for each of {batches} batches of samples they are traced again"),
+    };
+    let why = format!("maps of {photons} photons after one another, for want of memory; {batches}");
+    Some(Line::new("chunks", chunks, why))
 }
 
 fn passes(settings: &Settings, chosen: bool) -> Line {

@@ -76,11 +76,13 @@ impl Survey {
         maps: [ExpectedMap; 2],
     ) -> Prediction {
         let samples = f64::from(settings.size[0]) * f64::from(settings.size[1]) * f64::from(settings.spp);
+        let (batches, chunks) = self.times(settings, &maps);
         let fixed = self.image_s
-            + (0..2)
-                .map(|of| if maps[of].emitted > 0.0 { self.photons[of].of(maps[of].emitted) } else { 0.0 })
-                .sum::<f64>()
-            + self.entry_s * (maps[0].table + maps[1].table);
+            + batches
+                * (0..2)
+                    .map(|of| if maps[of].emitted > 0.0 { self.photons[of].of(maps[of].emitted) } else { 0.0 })
+                    .sum::<f64>()
+            + batches * chunks * self.entry_s * (maps[0].table + maps[1].table);
         let k = f64::from(settings.k);
         // Photons in a disc beside those in one of the survey, where all have as many to choose from.
         let of = usize::from(self.emitted[0] == 0.0);
@@ -93,7 +95,10 @@ impl Survey {
         let search = if maps.iter().any(held_back) { COARSE_CELLS } else { 1.0 };
         for pass in 0..passes.max(1) {
             let disc = k * self.shrink(settings, pass);
-            seconds += correction.pass * (fixed + samples * self.sample_s(disc) * search);
+            // The k nearest are sought in each chunk; a disc's photons are shared among them.
+            let again = if settings.integrator == Integrator::Progressive { 0.0 } else { chunks - 1.0 };
+            let searched = self.sample_s(disc) + again * (self.sample_s(disc) - self.sample_s(0.0));
+            seconds += correction.pass * (fixed + samples * searched * search);
             sample_noise += self.sample_noise(settings.spp);
             noise += correction.photon_noise * self.photon_noise(disc);
             blur += (correction.blur * self.blur(disc / dense)).sqrt();
@@ -122,8 +127,17 @@ impl Survey {
             }
             let emitted = f64::from(photons);
             let stored = emitted * self.stored[i];
-            ExpectedMap { emitted, stored, table: self.table(i, stored, scene, settings) }
+            // Those of a chunk have a table each.
+            let chunks = settings.chunk.map_or(1, |chunk| chunk.cut(photons).0);
+            ExpectedMap { emitted, stored, table: self.table(i, stored / f64::from(chunks), scene, settings) }
         })
+    }
+
+    /// How often photons are traced, and how often samples search.
+    fn times(&self, settings: &Settings, maps: &[ExpectedMap; 2]) -> (f64, f64) {
+        let emitted = maps.iter().fold(0.0, |most: f64, map| most.max(map.emitted)) as u32;
+        let (batches, chunks) = settings.chunk.map_or((1, 1), |chunk| (chunk.batches(settings), chunk.cut(emitted).0));
+        (f64::from(batches), f64::from(chunks))
     }
 
     /// Entries of a table for so many photons: those of the grid that a map would have.

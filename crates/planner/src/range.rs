@@ -71,12 +71,14 @@ fn powers(compiled: &CompiledScene, settings: &Settings) -> Option<Finding> {
 
 /// Whether the largest buffer of a map can exist.
 fn buffers(settings: &Settings, device: &Device) -> Option<Finding> {
-    let needed = u64::from(settings.photons.max(settings.caustic_photons)) * size_of::<Arrival>() as u64;
+    let photons = settings.photons.max(settings.caustic_photons);
+    let at_once = settings.chunk.map_or(photons, |chunk| chunk.cut(photons).1);
+    let needed = u64::from(at_once) * size_of::<Arrival>() as u64;
     let most = device.largest_buffer();
     (needed > most).then(|| Finding {
         broken: false,
         text: format!(
-            "a map that stores a photon for each that is emitted needs a buffer of {needed} bytes, and {} allows {most}: use --photons {} or fewer, and more --passes",
+            "a map that stores a photon for each that is emitted needs a buffer of {needed} bytes, and {} allows {most}: use --chunk {}, or fewer --photons and more --passes",
             device.name(),
             most / size_of::<Arrival>() as u64
         ),

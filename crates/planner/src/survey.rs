@@ -214,6 +214,7 @@ fn reduced(settings: &Settings, gpu: bool) -> Settings {
         photons: fewer(settings.photons).max(1),
         caustic_photons: fewer(settings.caustic_photons),
         spp: SPP,
+        chunk: None,
         ..settings.clone()
     }
 }

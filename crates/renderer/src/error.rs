@@ -28,7 +28,7 @@ pub enum RenderError {
         remedy: &'static str,
     },
     /// More photons than a map can hold.
-    #[error("the {map} map would store {stored} photons but can hold {max}; lower --{flag} to at most {emitted}")]
+    #[error("the {map} map would store {stored} photons but can hold {max}; use --{flag} {emitted} or less")]
     TooManyPhotons {
         /// The map.
         map: &'static str,
@@ -36,7 +36,7 @@ pub enum RenderError {
         stored: u64,
         /// Most a map can hold.
         max: u32,
-        /// The flag to change.
+        /// The flag that helps.
         flag: &'static str,
         /// A value at which they would fit.
         emitted: u64,

@@ -1,20 +1,22 @@
 //! How much memory a render takes, from what it is going to allocate.
 
+use crate::chunk::Chunk;
+use crate::chunked::at_once;
 use crate::frame::{CPU_SAMPLES, GPU_SAMPLES};
 use crate::lattice;
 use crate::output::LayerKind;
-use crate::photons::CHUNK;
 use crate::scene::CompiledScene;
+use crate::trace::DISPATCH;
 use crate::{Integrator, Settings};
 use caustic_device::Device;
 use caustic_kernels::gather::{Compact, Reach};
-use caustic_kernels::layout::{Arrival, Irradiance, Photon, Query, Site};
+use caustic_kernels::layout::{Arrival, Irradiance, Neighbour, Photon, Query, Site};
 use caustic_kernels::sort::{DIGITS, SORT_BLOCK};
 use caustic_kernels::trace::{
     BvhNode, Corners, LEDGER_PATHS, LayerPixel, LedgerBlock, LedgerSum, PART_DIRECT, Pixel, Primitive, Tally, Texel,
     Vertex,
 };
-use caustic_photon_map::{Filter, Nearest};
+use caustic_photon_map::{Filter, Gather, Nearest};
 
 /// A map that a render is going to have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -33,9 +35,16 @@ impl ExpectedMap {
         self.stored * if compact { size::<Compact>() } else { size::<(Site, Arrival)>() } + 4.0 * self.table
     }
 
+    /// Its part that is in memory at once. The table is as it is: that of a map of so many photons.
+    fn of_chunk(self, settings: &Settings) -> Self {
+        let (chunks, _) = settings.chunk.map_or((1, 0), |chunk| chunk.cut(self.emitted as u32));
+        let share = 1.0 / f64::from(chunks.max(1));
+        Self { emitted: share * self.emitted, stored: share * self.stored, ..self }
+    }
+
     /// Most bytes while its photons are traced, stored and sorted.
     fn peak(&self, compact: bool) -> f64 {
-        let chunk = self.emitted.min(f64::from(CHUNK));
+        let chunk = self.emitted.min(f64::from(DISPATCH));
         // Counts; fates and segments with their sums; tallies and the ledger.
         let ledger = chunk / f64::from(LEDGER_PATHS) * size::<(LedgerBlock, LedgerSum)>();
         let trace = 4.0 * self.emitted + chunk * (16.0 + size::<Tally>()) + ledger;
@@ -86,13 +95,42 @@ pub fn peak_bytes(scene: &CompiledScene, settings: &Settings, maps: [ExpectedMap
             each += size::<(Query, Irradiance)>();
         }
     }
-    let image = maps[0].bytes(settings.compact) + maps[1].bytes(settings.compact) + film + tile * each + keys;
-    let photons = maps[0].peak(settings.compact).max(maps[0].bytes(settings.compact) + maps[1].peak(settings.compact));
     let records = scene.nodes.len() as f64 * size::<BvhNode>()
         + scene.primitives.len() as f64 * size::<Primitive>()
         + scene.corners.len() as f64 * size::<Corners>()
         + scene.texels.len() as f64 * size::<Texel>();
+    if let Some(chunk) = settings.chunk {
+        return (records + film + chunked(settings, chunk, maps, tile * each, device)) as u64;
+    }
+    let image = maps[0].bytes(settings.compact) + maps[1].bytes(settings.compact) + film + tile * each + keys;
+    let photons = maps[0].peak(settings.compact).max(maps[0].bytes(settings.compact) + maps[1].peak(settings.compact));
     (records + image.max(photons)) as u64
+}
+
+/// Most bytes beside scene and film where photons come in chunks: a batch of samples with a chunk that is built or searched, or a tile that takes
+/// `tile` bytes with what is known of the batch. What of it is on the host counts as well.
+fn chunked(settings: &Settings, chunk: Chunk, maps: [ExpectedMap; 2], tile: f64, device: &Device) -> f64 {
+    let [width, height] = settings.size.map(f64::from);
+    let spp = f64::from(settings.spp);
+    let samples = (width * height / f64::from(chunk.batches(settings))).ceil() * spp;
+    let part = f64::from(at_once(settings)).min(samples);
+    let nearest = settings.integrator != Integrator::Progressive;
+    let neighbours = if nearest { part * f64::from(settings.k + 1) * size::<Neighbour>() } else { 0.0 };
+    let counting = match settings.gather {
+        Gather::Auto => device.is_gpu(),
+        gather => gather == Gather::Histogram,
+    };
+    // Queries are sorted. Counting finds neighbours in no order and puts them in order beside that.
+    let search = 20.0 * part + if counting { 2.0 * neighbours + 8.0 * part } else { neighbours };
+    let walked = maps.iter().filter(|map| map.stored > 0.0).map(|map| {
+        let map = map.of_chunk(settings);
+        let powers = if nearest { map.stored * size::<[f32; 3]>() } else { 0.0 };
+        // The host has powers and neighbours. That the device has its most at another time is not taken into account.
+        powers + neighbours + map.peak(false).max(map.bytes(false) + search)
+    });
+    let known = samples * size::<(Irradiance, Irradiance)>();
+    let batch = samples * Chunk::bytes_a_sample(settings) as f64;
+    (batch + walked.fold(0.0, f64::max)).max(known + tile)
 }
 
 /// Bytes of a record.

@@ -213,7 +213,7 @@ mod tests {
         let kind = crate::photons::PassKind::global(20_000, crate::Show::Beauty, false);
         let ledger = |scene: &crate::scene::CompiledScene| {
             let buffers = crate::SceneBuffers::new(&device, scene).unwrap();
-            let (_, report) = crate::photons::trace(&device, scene, &buffers, 0, &kind, &mut |_| true).unwrap();
+            let (_, report) = crate::trace::trace(&device, scene, &buffers, 0, &kind, &mut |_| true).unwrap();
             report.ledger
         };
         assert_eq!(problems("global", &ledger(&scene)), [""; 0]);

@@ -2,8 +2,9 @@
 
 use crate::buffers::SceneBuffers;
 use crate::output::Image;
-use crate::photons::{PassKind, trace};
+use crate::photons::PassKind;
 use crate::scene::Scene;
+use crate::trace::trace;
 use crate::{RenderError, Show};
 use caustic_device::{Buffer, Device, Kernel, Plan};
 use caustic_kernels::layout::{Irradiance, Photon, Query};

@@ -18,9 +18,10 @@ pub use error::PhotonFileError;
 pub use saved::SavedPhotons;
 
 use crate::buffers::SceneBuffers;
-use crate::photons::{PassKind, trace};
+use crate::photons::PassKind;
 use crate::report::{MapReport, Progress};
 use crate::scene::Scene;
+use crate::trace::trace;
 use crate::{RenderError, Settings};
 use caustic_device::{Buffer, Device};
 use caustic_kernels::layout::Photon;

@@ -1,8 +1,9 @@
 //! The radius of the first pass.
 
 use crate::frame::Frame;
-use crate::photons::{PassKind, sample, trace};
+use crate::photons::{PassKind, sample};
 use crate::report::Progress;
+use crate::trace::trace;
 use crate::{Integrator, RenderError, Settings, View};
 use caustic_device::Plan;
 use caustic_kernels::gather::{CUT_SHORT, Reach};

@@ -95,6 +95,10 @@ pub fn render_across(
     let Given { passes, photons, part, remote } = given;
     if let Some(file) = photons {
         file.check_scene(scene)?;
+        if settings.chunk.is_some() {
+            let range = "left out with photons in chunks, which are traced anew for each".to_string();
+            return Err(RenderError::Setting { name: "load-map", value: file.source.clone(), range });
+        }
         if settings.passes() != Some(1) {
             let range = "1 with photons from a file, which are those of one pass".to_string();
             let value = settings.passes().map_or("open".to_string(), |passes| passes.to_string());
@@ -184,6 +188,7 @@ fn rendered(
     let layers = state.layers(&settings.layers);
     let passes = state.passes();
     let last_pass = last_pass.unwrap_or(passes.saturating_sub(1));
+    let on_host = maps.iter().map(|map| map.host_bytes).max().unwrap_or(0);
     let report = RenderReport {
         device: devices.iter().map(|device| device.name()).collect::<Vec<_>>().join(" + "),
         complete: stopped_by != Some("interrupted"),
@@ -200,7 +205,7 @@ fn rendered(
         problems,
         stages: stage_times(devices),
         buffers: buffer_bytes(devices),
-        peak_bytes: devices.iter().map(|device| device.total_bytes().1).sum(),
+        peak_bytes: devices.iter().map(|device| device.total_bytes().1 + on_host).sum(),
         mean_radiance: mean(&image),
     };
     Rendered { image, layers, report, state }

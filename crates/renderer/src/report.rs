@@ -2,7 +2,8 @@
 
 use crate::LightLedger;
 use caustic_device::{BufferBytes, StageTime};
-use caustic_photon_map::Health;
+use caustic_kernels::grid::HASH_LINEAR;
+use caustic_photon_map::{Health, PhotonMap};
 use serde::Serialize;
 
 /// How far a render is.
@@ -37,8 +38,12 @@ pub struct MapReport {
     pub table_entries: u32,
     /// Whether it is that of the linear hash.
     pub linear: bool,
-    /// Bytes of the finished map.
+    /// Bytes of the finished map; of the largest, if it is one of each chunk.
     pub bytes: u64,
+    /// Maps that it came in one after another: more than one with [`Settings::chunk`](crate::Settings::chunk) only.
+    pub chunks: u32,
+    /// Most bytes that the host kept while there were chunks.
+    pub host_bytes: u64,
     /// How its photons lie in the table, if [`Settings::health`](crate::Settings::health) asks for it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub health: Option<Health>,
@@ -58,8 +63,17 @@ impl MapReport {
             table_entries: 0,
             linear: false,
             bytes: 0,
+            chunks: 1,
+            host_bytes: 0,
             health: None,
         }
+    }
+
+    /// Says what a map that is built is like.
+    pub(crate) fn tell(&mut self, map: &PhotonMap) {
+        self.table_entries = self.table_entries.max(map.grid().table);
+        self.linear = map.grid().hash == HASH_LINEAR;
+        self.bytes = self.bytes.max(map.bytes());
     }
 }
 
@@ -94,7 +108,7 @@ pub struct RenderReport {
     pub stages: Vec<StageTime>,
     /// Bytes a buffer, now and at the most.
     pub buffers: Vec<BufferBytes>,
-    /// Most bytes that all buffers took together.
+    /// Most bytes that all buffers took together, and with them what the host kept of chunks.
     pub peak_bytes: u64,
     /// Mean radiance of the image, W·sr⁻¹·m⁻², for each of red, green and blue.
     pub mean_radiance: [f64; 3],

@@ -3,7 +3,7 @@
 use crate::output::LayerKind;
 use crate::scene::Scene;
 use crate::scene::limits::{MAX_K, MAX_PHOTONS, MAX_SIDE, MAX_SPP};
-use crate::{Feature, RenderError};
+use crate::{Chunk, Feature, RenderError};
 use caustic_kernels::trace::{PART_CAUSTIC, PART_DIRECT, PART_GLOBAL, PART_PATHS};
 use caustic_photon_map::{Estimate, Filter, Gather, Hash, MAX_TABLE, Nearest, RADII, Surface};
 
@@ -158,6 +158,8 @@ pub struct Settings {
     pub layers: Vec<LayerKind>,
     /// What to model though the scene does not need it: the picture is the same, and takes longer.
     pub forced: Vec<Feature>,
+    /// How photons come in chunks; all at once if not given. The picture has the same bits.
+    pub chunk: Option<Chunk>,
     /// Whether to look at how the photons lie in the maps' tables ([`MapReport::health`](crate::MapReport::health)): that reads them back.
     pub health: bool,
 }
@@ -196,6 +198,7 @@ impl Settings {
             stop: Stop::default(),
             layers: Vec::new(),
             forced: Vec::new(),
+            chunk: None,
             health: false,
         }
     }
@@ -275,6 +278,7 @@ impl Settings {
             let (value, range) = (format!("{:?}", self.surface).to_lowercase(), "any with --compact".to_string());
             return Err(RenderError::Setting { name: "surface", value, range });
         }
+        self.chunk.map_or(Ok(()), |chunk| chunk.check(self))?;
         whole("passes", self.stop.passes.unwrap_or(1), 1, MAX_PASSES)?;
         let number = |name, value: f64, fine: bool, range: &str| {
             if fine {

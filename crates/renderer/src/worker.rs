@@ -1,7 +1,8 @@
 //! A device that computes units.
 
 use crate::accumulate::{Piece, pass_radius, pass_seed};
-use crate::frame::{Frame, Maps, Pixels, Said};
+use crate::film::Pixels;
+use crate::frame::{Frame, Maps, Said};
 use crate::report::Progress;
 use crate::work::WorkUnit;
 use crate::{Integrator, RenderError, Settings};
@@ -44,14 +45,14 @@ impl<'a> Worker<'a> {
         progress: &mut dyn FnMut(Progress) -> bool,
     ) -> Result<Outcome, RenderError> {
         let Frame { device, settings, .. } = self.frame;
-        let maps = match self.maps.take().filter(|(pass, _)| *pass == unit.pass) {
+        let mut maps = match self.maps.take().filter(|(pass, _)| *pass == unit.pass) {
             Some((_, maps)) => maps,
             None => {
                 let radius = radius_of(settings, self.first_radius, unit.pass);
                 self.frame.maps(pass_seed(settings.seed, unit.pass), radius, progress)?
             }
         };
-        let Pixels { film, layers } = self.frame.film(unit, &maps, progress)?;
+        let Pixels { film, layers } = self.frame.film(unit, &mut maps, progress)?;
         match film.iter().map(|pixel| u64::from(pixel.cut_short)).sum() {
             0 => {}
             searches => return Err(RenderError::CutShort { device: device.name(), searches }),

@@ -2,6 +2,7 @@
 
 use super::numbers::whole;
 use caustic_photon_map::{Filter, Nearest, RADII, Surface};
+use caustic_renderer::scene::limits::MAX_PHOTONS;
 use caustic_renderer::{Integrator, Keep, MAX_FINAL_GATHER, MAX_INTERPOLATE, MAX_PASSES, MAX_THIN, Part, Stop};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -39,6 +40,10 @@ pub struct IntegratorArguments {
     /// it at each sample.
     #[arg(long, value_name = "N", default_value = "0", value_parser = whole(0, MAX_INTERPOLATE), allow_negative_numbers = true)]
     pub interpolate: u32,
+    /// Photons of which a map is made at once, emitted for each of the two maps: maps of chunks after one another, where a whole one is larger than
+    /// the memory or a buffer of the device. The image does not depend on it. Photons are traced again for each GiB of what is known of camera samples.
+    #[arg(long, value_name = "N", value_parser = whole(1, MAX_PHOTONS), allow_negative_numbers = true, conflicts_with = "load_map")]
+    pub chunk: Option<u32>,
     /// Ends after so many passes. Without a stop, a progressive render has 64 and every other 1.
     #[arg(long, value_name = "N", value_parser = whole(1, MAX_PASSES), allow_negative_numbers = true)]
     pub passes: Option<u32>,

@@ -20,7 +20,9 @@ pub struct PlanArguments {
     /// Whose costs are foreseen: those of this device, measured, or constants, with which the same settings are chosen on every machine.
     #[arg(long, value_enum, default_value_t)]
     pub costs: CostsArgument,
-    /// Most memory that the render may take on its device, such as 512MB or 2GiB: what is chosen stays below.
+    /// Most memory that the render may take for what is on its device and for photons on the host, such as 512MB or 2GiB: what is chosen stays below.
+    /// Where --photons is given, or the integrator is progressive, nothing is chosen, and maps that do not fit come in chunks: the same image,
+    /// in more time.
     #[arg(long, value_name = "BYTES", value_parser = bytes)]
     pub memory: Option<u64>,
 }

@@ -39,7 +39,8 @@ impl<'a> Trace<'a> {
         let mut passes = Vec::new();
         for first in (0..n).step_by(CHUNK as usize) {
             let paths = CHUNK.min(n - first);
-            let pass = PhotonPass { emitted: n, first, paths, rays: RAY_GLOBAL, seed: 0, stored_from: 0, thin: 1 };
+            let pass =
+                PhotonPass { emitted: n, first, paths, rays: RAY_GLOBAL, seed: 0, stored_from: 0, thin: 1, chunk: 0 };
             passes.push((paths, device.upload("photon pass", &[pass])?));
         }
         let mut plan = Plan::new();

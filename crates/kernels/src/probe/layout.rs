@@ -124,7 +124,7 @@ layouts! {
     layout_sort(
         radix: RadixPass { count, blocks, shift, values },
         scan: ScanParams { count, row_length },
-        pass: PhotonPass { emitted, first, paths, rays, seed, stored_from, thin },
+        pass: PhotonPass { emitted, first, paths, rays, seed, stored_from, thin, chunk },
         targets: Target { centre, radius }
     );
     /// Records of scenes.

@@ -50,6 +50,8 @@ pub struct PhotonPass {
     pub stored_from: u32,
     /// One photon in so many is stored, with the power of all of them.
     pub thin: u32,
+    /// First path of the chunk whose photons make a map: the places of what its paths store are counted from this one on.
+    pub chunk: u32,
 }
 
 /// A path's fate: it reached a diffuse surface. Fates are numbers to be added up, for a block of [`SCAN_BLOCK`] paths.
@@ -103,7 +105,7 @@ pub fn count_photons<
             texels,
             |_, _| {},
         );
-        counts.set(path, walked.stored);
+        counts.set(path - pass.chunk, walked.stored);
         let landed = if walked.landed { FATE_LANDED } else { 0 };
         fates.set(i, landed + if walked.cut { FATE_CUT } else { 0 });
         segments.set(i, walked.segments);
@@ -134,8 +136,9 @@ pub fn store_photons<P: Store<Photon> + ?Sized>(
 ) {
     if i < pass.paths {
         let path = pass.first + i;
-        let place = offsets[path as usize] + block_offsets[(path / SCAN_BLOCK) as usize];
-        let counted = counts[path as usize];
+        let at = path - pass.chunk;
+        let place = offsets[at as usize] + block_offsets[(at / SCAN_BLOCK) as usize];
+        let counted = counts[at as usize];
         let keep = move |n, photon: Photon| {
             // Exact walks agree. A driver may contract this kernel and the one that counted differently.
             if n < counted {

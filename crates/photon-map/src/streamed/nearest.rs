@@ -67,7 +67,8 @@ impl<'a> NearestStreamed<'a> {
             let found = map.k_nearest(self.device, queries, self.k, self.gather)?;
             for (q, news) in (i * at_once..).zip(found) {
                 let known = &mut self.found[q * k..][..k];
-                self.counts[q] = merge(known, self.counts[q], &news, first as u32, &mut self.merged);
+                let news = news.into_iter().map(|new| Neighbour { photon: first as u32 + new.photon, ..new });
+                self.counts[q] = merge(known, self.counts[q], news, |one| one.distance2, &mut self.merged);
             }
         }
         Ok(())
@@ -80,24 +81,30 @@ impl<'a> NearestStreamed<'a> {
     }
 }
 
-/// Merges `news`, of which index 0 is `first`, into the first `count` of `known`; both are in order. Returns how many there are then.
-fn merge(known: &mut [Neighbour], count: u32, news: &[Neighbour], first: u32, merged: &mut Vec<Neighbour>) -> u32 {
-    if news.is_empty() {
+/// Merges `news` into the first `count` of `known`; both are in order, and the indices of those that are known are lower. Returns how many there
+/// are then.
+pub(super) fn merge<T: Copy>(
+    known: &mut [T],
+    count: u32,
+    news: impl Iterator<Item = T>,
+    distance2: impl Fn(&T) -> f32,
+    merged: &mut Vec<T>,
+) -> u32 {
+    let mut new = news.peekable();
+    let full = count as usize == known.len();
+    let beyond = |new: &T| full && known.last().is_some_and(|last| distance2(last) <= distance2(new));
+    if new.peek().is_none_or(beyond) {
         return count;
     }
     merged.clear();
-    let (mut old, mut new) = (known[..count as usize].iter().peekable(), news.iter().peekable());
+    let mut old = known[..count as usize].iter().peekable();
     while merged.len() < known.len() {
-        // Those that were known have lower indices, so that they come first among equals.
+        // Those that were known come first among equals.
         let takes_old = match (old.peek(), new.peek()) {
-            (Some(old), Some(new)) => old.distance2 <= new.distance2,
+            (Some(old), Some(new)) => distance2(old) <= distance2(new),
             (old, _) => old.is_some(),
         };
-        let next = if takes_old {
-            old.next().copied()
-        } else {
-            new.next().map(|new| Neighbour { photon: first + new.photon, ..*new })
-        };
+        let next = if takes_old { old.next().copied() } else { new.next() };
         let Some(next) = next else { break };
         merged.push(next);
     }
@@ -114,13 +121,18 @@ mod tests {
         let of = |pairs: &[(f32, u32)]| -> Vec<Neighbour> {
             pairs.iter().map(|&(distance2, photon)| Neighbour { distance2, photon }).collect()
         };
-        let mut known = of(&[(1.0, 4), (2.0, 7), (0.0, 0), (0.0, 0)]);
         let mut merged = Vec::new();
-        assert_eq!(merge(&mut known, 2, &of(&[(0.5, 3), (2.0, 0), (9.0, 1)]), 10, &mut merged), 4);
+        let mut put = |known: &mut [Neighbour], count, news: &[(f32, u32)]| {
+            merge(known, count, of(news).into_iter(), |one| one.distance2, &mut merged)
+        };
+        let mut known = of(&[(1.0, 4), (2.0, 7), (0.0, 0), (0.0, 0)]);
+        assert_eq!(put(&mut known, 2, &[(0.5, 13), (2.0, 10), (9.0, 11)]), 4);
         assert_eq!(known, of(&[(0.5, 13), (1.0, 4), (2.0, 7), (2.0, 10)]));
-        assert_eq!(merge(&mut known, 4, &[], 20, &mut merged), 4);
+        assert_eq!(put(&mut known, 4, &[]), 4);
+        assert_eq!(put(&mut known, 4, &[(2.0, 20)]), 4);
+        assert_eq!(known, of(&[(0.5, 13), (1.0, 4), (2.0, 7), (2.0, 10)]), "one as far comes after");
         let mut known = of(&[(0.0, 0), (0.0, 0)]);
-        assert_eq!(merge(&mut known, 0, &of(&[(3.0, 1)]), 5, &mut merged), 1);
+        assert_eq!(put(&mut known, 0, &[(3.0, 6)]), 1);
         assert_eq!(known[0], Neighbour { distance2: 3.0, photon: 6 });
     }
 }
