@@ -155,7 +155,7 @@ fn knowledge(scene: &CompiledScene, feature: Feature) -> (bool, bool, String) {
         Feature::Textures => ("surfaces have pictures", "no surface has a picture"),
         Feature::Gloss => ("there are rough lobes or coats", "all is matt, a mirror or smooth glass"),
         Feature::Media => (
-            "there is glass that absorbs, is rough or no closed sphere, or has something in it",
+            "there is glass that absorbs, is no closed sphere, or has something in it",
             "there is no glass but clear closed spheres with nothing in them",
         ),
         Feature::Sky => ("there is an environment", "there is no environment"),

@@ -33,21 +33,20 @@ pub(super) fn needs(
         need(LAMPS, ![LIGHT_AREA, LIGHT_POINT, LIGHT_ENVIRONMENT].contains(&light.kind));
     }
     need(MESHES, lists < OCTANTS);
-    need(MEDIA, (0..content.surfaces.len()).any(|i| has_an_inside(content, materials, i)));
+    need(MEDIA, (0..content.surfaces.len()).any(|i| has_an_inside(content, i)));
     needs
 }
 
-/// Whether it matters that something is inside of surface `i`: always, if it is a dielectric, but for a closed sphere that is clear and smooth and
-/// touched by other surfaces from outside at most.
-fn has_an_inside(content: &Content, materials: &[Material], i: usize) -> bool {
+/// Whether it matters that something is inside of surface `i`: always, if it is a dielectric, but for a closed sphere that is clear and
+/// touched by other surfaces from outside at most: no light in it and nothing that reflects diffusely is seen.
+fn has_an_inside(content: &Content, i: usize) -> bool {
     let surface = &content.surfaces[i];
     let Substance::Dielectric(Glass { absorption, .. }) = content.materials[surface.material] else { return false };
     let Shape::Sphere { centre, radius } = surface.shape else { return true };
-    let rough = materials[surface.material].kind == MATERIAL_ROUGH_DIELECTRIC;
     let within =
         |(low, high): (glam::DVec3, glam::DVec3)| centre.clamp(low, high).distance(centre) < radius * (1.0 - TOUCHING);
     let others = content.surfaces.iter().enumerate().filter(|&(j, _)| j != i);
-    rough || absorption != glam::DVec3::ZERO || others.map(|(_, other)| other.bounds()).any(within)
+    absorption != glam::DVec3::ZERO || others.map(|(_, other)| other.bounds()).any(within)
 }
 
 #[cfg(test)]
@@ -77,6 +76,7 @@ mod tests {
         for more in [ball(0.0, 0.5, "white"), ball(0.0, 0.9, "glass"), ball(1.5, 0.6, "white")] {
             assert_eq!(needs("", &more), MEDIA, "{more}");
         }
-        assert_eq!(needs("roughness=0.5\n", ""), MEDIA | GLOSS);
+        assert_eq!(needs("roughness=0.5\n", ""), GLOSS);
+        assert_eq!(needs("absorption=[1,0,0]\n", ""), MEDIA);
     }
 }
