@@ -6,8 +6,8 @@ use crate::progress::Monitor;
 use crate::render::{failure, settings};
 use caustic_device::Device;
 use caustic_planner::{
-    Budget, Choice, Finding, Given, Line, Prediction, Quality, Scout, Survey, Surveyor, advice, explain, findings,
-    fit, foresee, settle,
+    Budget, Choice, Finding, Given, Line, Prediction, Quality, Scout, Survey, Surveyor, advice, explain, findings, fit,
+    foresee, settle,
 };
 use caustic_renderer::scene::{CompiledScene, Scene};
 use caustic_renderer::{DEFAULT_PASSES, Integrator, Progress, RenderError, RenderReport, Settings, Stop};
