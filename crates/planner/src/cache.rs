@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Version of the files.
-const FORMAT: u32 = 6;
+const FORMAT: u32 = 7;
 
 /// How long a GPU works until it has reached its clock.
 const WARM: Duration = Duration::from_millis(100);
