@@ -13,7 +13,7 @@ fn plan(folder: &tempfile::TempDir, arguments: &[&str]) -> Run {
 #[test]
 fn a_plan_explains_each_decision_and_foresees_what_it_takes() {
     let folder = folder();
-    let arguments = ["plan", "cornell", "--device", "cpu", "--size", "32x32", "--photons", "20000", "--spp", "2"];
+    let arguments = ["plan", "cornell", "--device", "cpu", "--size", "32x32", "--photons", "5000", "--spp", "2"];
     let shown = plan(&folder, &arguments);
     assert_eq!(shown.code, Some(0), "{shown:?}");
     for part in [
@@ -30,7 +30,7 @@ fn a_plan_explains_each_decision_and_foresees_what_it_takes() {
     assert_eq!(fs::read_dir(folder.path().join("cache/caustic/surveys")).unwrap().count(), 2);
     assert_eq!(plan(&folder, &arguments).stdout, shown.stdout);
     let value = json(&plan(&folder, &[&arguments[..], &["--json", "--quiet"]].concat()).stdout);
-    assert_eq!(value["settings"]["photons"], 20000);
+    assert_eq!(value["settings"]["photons"], 5000);
     assert!(value["prediction"]["seconds"].as_f64().unwrap() > 0.0 && value["decisions"].as_array().unwrap().len() > 8);
 }
 

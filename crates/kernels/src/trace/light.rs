@@ -6,6 +6,7 @@ use super::scene::{
     NO_TEXTURE, SceneInfo,
 };
 use super::sky::{invert_sky, look_at_sky};
+use super::solid_angle::Fan;
 use super::surface::Corners;
 use super::texture::{Texel, Texture, texel_at};
 use super::vector::{cone, cone_density, cross, dot, invert_cone, invert_disc, normalize, sample_cone, sample_disc};
@@ -167,8 +168,8 @@ pub fn spot_falloff(light: &Light, direction: Vec3) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// Looks from a point at the place (u, v) of a light: a flat one is drawn evenly by area, a sphere by the solid angle that it fills (Shirley,
-/// Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM TOG 1996).
+/// Looks from a point at the place (u, v) of a light: a sphere is drawn evenly by the solid angle that it fills (Shirley, Wang and Zimmerman, "Monte
+/// Carlo Techniques for Direct Lighting Calculations", ACM TOG 1996), and so is a flat one that is near; others evenly by area.
 #[inline]
 #[must_use]
 pub fn look(
@@ -214,7 +215,19 @@ pub fn look(
         glimpse.extent = 2.0 * PI * one_minus_cos;
         return glimpse;
     }
-    let to_light = light_point(known, light, u, v) - from;
+    let mut place = [u, v];
+    let mut solid_angle = 0.0;
+    if is_flat(known, light) {
+        let fan = Fan::new(known, light, from);
+        solid_angle = fan.solid_angle;
+        if solid_angle > 0.0 {
+            place = fan.place(known, light, u, v);
+        }
+        if place[0] < 0.0 {
+            return glimpse; // beside a disc
+        }
+    }
+    let to_light = light_point(known, light, place[0], place[1]) - from;
     let distance2 = dot(to_light, to_light);
     let distance = sqrt(distance2);
     if distance > 0.0 {
@@ -222,10 +235,15 @@ pub fn look(
         glimpse.distance = distance;
         glimpse.spread = distance2;
         if is_flat(known, light) {
-            glimpse.slant = max(0.0, -dot(Vec3::from_array(light.normal), glimpse.direction));
-            glimpse.extent = light.area;
+            if solid_angle > 0.0 {
+                glimpse.spread = 1.0;
+                glimpse.extent = solid_angle;
+            } else {
+                glimpse.slant = max(0.0, -dot(Vec3::from_array(light.normal), glimpse.direction));
+                glimpse.extent = light.area;
+            }
             if known.textures() {
-                let uv = place_on_light(known, light, u, v, info, corners);
+                let uv = place_on_light(known, light, place[0], place[1], info, corners);
                 glimpse.emission = emission_at(known, light, uv, textures, texels);
             }
         }
@@ -245,6 +263,10 @@ pub fn look_density(known: impl Known, light: &Light, from: Vec3, direction: Vec
         let one_minus_cos = cone(Vec3::from_array(light.position) - from, light.edges[0][0]);
         return light.probability * cone_density(one_minus_cos);
     }
+    let solid_angle = Fan::new(known, light, from).solid_angle;
+    if solid_angle > 0.0 {
+        return div(light.probability, solid_angle);
+    }
     let slant = max(0.0, -dot(Vec3::from_array(light.normal), direction));
     let seen = slant * light.area;
     if seen > 0.0 { div(distance * distance * light.probability, seen) } else { 0.0 }
@@ -255,6 +277,7 @@ pub fn look_density(known: impl Known, light: &Light, from: Vec3, direction: Vec
 #[inline]
 #[must_use]
 pub fn invert_look(
+    known: impl Known,
     light: &Light,
     from: Vec3,
     direction: Vec3,
@@ -277,7 +300,15 @@ pub fn invert_look(
     // Coordinates along the edges, by their dual vectors.
     let (across_a, across_b) = (cross(b, normal), cross(normal, a));
     let place = [div(dot(local, across_a), dot(a, across_a)), div(dot(local, across_b), dot(b, across_b))];
-    if light.kind == LIGHT_DISC { invert_disc(place) } else { place }
+    let fan = Fan::new(known, light, from);
+    if light.kind == LIGHT_DISC {
+        return if fan.solid_angle > 0.0 {
+            fan.invert(place[0] * 0.5 + 0.5, place[1] * 0.5 + 0.5)
+        } else {
+            invert_disc(place)
+        };
+    }
+    if fan.solid_angle > 0.0 { fan.invert(place[0], place[1]) } else { place }
 }
 
 /// The weight of a sample of density `mine` beside another way of drawing it, of density `other`: the power heuristic (Veach, "Robust Monte

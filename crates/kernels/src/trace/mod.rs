@@ -27,6 +27,7 @@ mod paths;
 mod photons;
 mod scene;
 pub mod sky;
+pub mod solid_angle;
 mod surface;
 mod texture;
 mod triangle;
